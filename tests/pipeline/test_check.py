@@ -189,6 +189,23 @@ def test_an_install_space(tmp_path: Path) -> None:
     assert outcome.diagnostics[0].file == share / "cart" / "urdf" / "cart.urdf"
 
 
+@pytest.mark.parametrize("marker", ["COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE"])
+@pytest.mark.parametrize("place", [".", "old", "old/demo"])
+def test_packages_that_colcon_ignores_are_named(tmp_path: Path, marker: str, place: str) -> None:
+    package = tmp_path / "old" / "demo"
+    package.mkdir(parents=True)
+    (package / "package.xml").write_text(
+        "<package format='3'><name>demo</name><version>0.0.0</version></package>"
+    )
+    (tmp_path / place / marker).touch()
+    with pytest.raises(NotFoundError, match=rf"old/demo, because .*{marker} exists") as found:
+        check(CheckRequest(paths=(tmp_path,)), environment={})
+    assert (
+        found.value.hint == f"Remove {tmp_path / place / marker}, or name the package: wsgen "
+        f"check {package}"
+    )
+
+
 def test_what_does_not_exist(tmp_path: Path) -> None:
     with pytest.raises(NotFoundError, match="does not exist"):
         run(tmp_path / "nothing")

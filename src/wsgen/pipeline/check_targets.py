@@ -15,6 +15,7 @@ from wsgen.workspace.layout import (
     PackageFolder,
     Workspace,
     find_packages,
+    ignored_below,
     open_workspace,
     read_package,
     workspace_around,
@@ -108,6 +109,7 @@ def find_targets(paths: Sequence[Path], workspace: str | None = None) -> Targets
 def _require_packages(place: Workspace) -> tuple[PackageFolder, ...]:
     packages = find_packages(place)
     if not packages:
+        _refuse_ignored(place.root)
         raise NotFoundError(
             f"{place.root} has no ROS package.",
             hint="Give a folder with packages, or a file: wsgen check robot.urdf",
@@ -115,10 +117,26 @@ def _require_packages(place: Workspace) -> tuple[PackageFolder, ...]:
     return packages
 
 
+def _refuse_ignored(root: Path) -> None:
+    """Stop if a folder has packages, and colcon ignores them.
+
+    Raises:
+        NotFoundError: It does.
+    """
+    ignored = next(ignored_below(root), None)
+    if ignored is not None:
+        folder, marker = ignored
+        raise NotFoundError(
+            f"{root} has no ROS package: colcon ignores {folder}, because {marker} exists.",
+            hint=f"Remove {marker}, or name the package: wsgen check {folder}",
+        )
+
+
 def _require_files(folder: Path) -> tuple[Path, ...]:
     """The robots and worlds below a folder that has no package."""
     files = tuple(find_descriptions(folder))
     if not files:
+        _refuse_ignored(folder)
         raise NotFoundError(
             f"{folder} has no ROS package, robot or world.",
             hint="Give a folder with packages, or a file: wsgen check robot.urdf",

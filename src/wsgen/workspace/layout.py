@@ -424,14 +424,19 @@ NAMED = lazy_pattern(r"""['"]-(?:entity|name)['"]\s*,\s*['"]([^'"]+)['"]""")
 
 def ignored_packages(workspace: Workspace) -> Iterator[tuple[Path, Path]]:
     """Yield the packages that colcon ignores, each with the marker file."""
-    for folder, names in crawl(workspace.source, with_ignored=True):
+    yield from ignored_below(workspace.source)
+
+
+def ignored_below(root: Path) -> Iterator[tuple[Path, Path]]:
+    """Yield the packages in a folder that colcon ignores, each with the marker file."""
+    for folder, names in crawl(root, with_ignored=True):
         if "package.xml" not in names:
             continue
         for parent in (folder, *folder.parents):
             for marker in IGNORE_MARKERS:
                 if (parent / marker).exists():
                     yield folder, parent / marker
-            if parent == workspace.source:
+            if parent == root:
                 break
 
 
