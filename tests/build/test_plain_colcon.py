@@ -56,13 +56,17 @@ def test_without_linters(tmp_path: Path) -> None:
     assert cache_entry(tmp_path, "BUILD_TESTING") == "OFF"
 
 
-def test_environments_of_python_are_ignored(tmp_path: Path) -> None:
+@pytest.mark.parametrize("is_plain", [True, False])
+def test_environments_of_python_are_ignored(tmp_path: Path, *, is_plain: bool) -> None:
     write_package(tmp_path)
     for name, marker in (("venv", "pyvenv.cfg"), ("env", "conda-meta/history")):
         write_package(tmp_path / name, f"of_{name}").parent.rename(tmp_path / name / "share")
         (tmp_path / name / marker).parent.mkdir(exist_ok=True)
         (tmp_path / name / marker).touch()
-    plain_colcon(tmp_path, outside())
+    if is_plain:
+        plain_colcon(tmp_path, outside())
+    else:
+        assert build_here(tmp_path).succeeded
     assert [folder.name for folder in (tmp_path / "install").iterdir() if folder.is_dir()] == [
         "demo"
     ]

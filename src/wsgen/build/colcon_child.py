@@ -15,6 +15,7 @@ from colcon_core.executor import Job
 
 from wsgen.build.colcon_events import write_events_to
 from wsgen.build.package_environment import set_package_environments
+from wsgen.build.python_environments import ignore_python_environments
 from wsgen.isolation.parent_death import end_with_parent, take_parent_death_pipe
 
 sys.path[:] = json.loads(sys.argv[1])
@@ -29,6 +30,7 @@ end_with_parent(take_parent_death_pipe(), signal.SIGTERM)
 gc.disable()
 
 set_package_environments(os.environ)
+ignore_python_environments()
 run_job = Job.__call__
 
 

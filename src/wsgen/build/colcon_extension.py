@@ -1,7 +1,6 @@
 """The extension of plain `colcon`: it sets the toolchain, and skips tests that cannot be built.
 
-It also keeps colcon, that of `wsgen build` too, from searching for packages in environments of
-Python: who has just installed wsgen into a folder `venv` of the workspace would build ament_cmake.
+It also keeps colcon from searching for packages in environments of Python.
 
 The arguments for CMake are those of `wsgen build`, so that neither configures again what the other
 one has built. To go on where a package is missing is left to `wsgen build`.
@@ -25,18 +24,15 @@ from colcon_core.argument_parser import (
     ArgumentParserDecoratorExtensionPoint,
 )
 from colcon_core.logging import colcon_logger
-from colcon_core.package_identification import IgnoreLocationException
-from colcon_core.package_identification.ignore import IgnorePackageIdentification
 from colcon_core.plugin_system import satisfies_version
 
 from wsgen.build.package_environment import set_package_environments
+from wsgen.build.python_environments import ignore_python_environments
 from wsgen.build.toolchain import Wheels, find_toolchain, package_prefixes, use_toolchain
 from wsgen.errors import NotFoundError
 
 if TYPE_CHECKING:
     import argparse
-
-    from colcon_core.package_descriptor import PackageDescriptor
 
 
 CMAKE_MODULE = "colcon_cmake.task.cmake"
@@ -53,7 +49,7 @@ class ToolchainExtension(ArgumentParserDecoratorExtensionPoint):  # type: ignore
         self, *, parser: argparse.ArgumentParser
     ) -> argparse.ArgumentParser:
         """Change the environment of this process; look at the arguments once they are parsed."""
-        _ignore_python_environments()
+        ignore_python_environments()
         before = dict(os.environ)
         use_toolchain(os.environ)
         set_package_environments(os.environ)
@@ -63,24 +59,6 @@ class ToolchainExtension(ArgumentParserDecoratorExtensionPoint):  # type: ignore
         if CMAKE_MODULE in sys.modules and dict(os.environ) != before:
             importlib.reload(sys.modules[CMAKE_MODULE])
         return _Arguments(parser)
-
-
-def _ignore_python_environments() -> None:
-    """Let what makes colcon ignore COLCON_IGNORE, which is asked first, ignore more."""
-    from wsgen.workspace.layout import is_python_environment  # noqa: PLC0415  as below
-
-    ignores = IgnorePackageIdentification.identify
-
-    def identify(self: IgnorePackageIdentification, desc: PackageDescriptor) -> None:
-        ignores(self, desc)
-        try:
-            names = [path.name for path in Path(desc.path).iterdir()]
-        except OSError:  # colcon says so, or passes it over
-            return
-        if is_python_environment(names):
-            raise IgnoreLocationException
-
-    IgnorePackageIdentification.identify = identify
 
 
 class _Arguments(ArgumentParserDecorator):  # type: ignore[misc]  # colcon is not typed
