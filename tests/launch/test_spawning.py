@@ -180,6 +180,8 @@ def test_file(tmp_path: Path) -> None:
         ("-entity e", "SPN004", "exactly one of -file, -topic"),
         ("-topic robot -entity e", "SPN008", "/robot, and no robot_state_publisher"),
         ("-file /no/r.urdf -entity e", "SPN012", "'/no/r.urdf'"),
+        # As every device, it is not opened: of some there is no end.
+        ("-file /dev/null -entity e", "SPN012", "'/dev/null': it is a device"),
     ],
 )
 def test_wrong_arguments(arguments: str, code: str, words: str) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity
-from wsgen.files import after_scheme
+from wsgen.files import after_scheme, refuse_irregular
 from wsgen.launch.commands import started_launch_files, started_programs
 from wsgen.launch.known_packages import SURELY
 from wsgen.launch.missing_actions import or_unused_action
@@ -172,6 +172,7 @@ def read_spawned_file(plan: LaunchPlan, process: Process, path: str) -> Descript
         return Description(model_uri=path)
     try:
         file = Path(after_scheme(path.removeprefix("file://")))
+        refuse_irregular(file)  # to read a device may have no end
         text = file.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "it is not text in UTF-8"
