@@ -17,6 +17,7 @@ import yaml
 from scipy.spatial.transform import Rotation
 
 from ros_for_tests import variables_for
+from wsgen.simulation.live_scene import FOLDER_VARIABLE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -336,3 +337,21 @@ def test_two_clocks_do_not_drown_everything_else(
         process.terminate()
         _, printed = process.communicate(timeout=WAIT)
     assert 1 <= printed.count("Moved backwards in time") <= 2 + took / 2.0
+
+
+def test_a_spawner_refuses_a_topic_that_ros_has_not(
+    environment: dict[str, str], tmp_path: Path
+) -> None:
+    words = ["--as", "spawn_entity.py", "-topic", "robot description", "-entity", "rover"]
+    run = subprocess.run(
+        [sys.executable, "-m", "wsgen.ros_nodes.create", *words],
+        env={**environment, FOLDER_VARIABLE: str(tmp_path)},
+        capture_output=True,
+        text=True,
+        timeout=WAIT,
+        check=False,
+    )
+    assert run.returncode == 1
+    assert "Invalid topic name" in run.stderr
+    assert "Correct the name in the launch file." in run.stderr
+    assert "Traceback" not in run.stderr

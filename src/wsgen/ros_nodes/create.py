@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import rclpy
 import rclpy.utilities
+from rclpy.exceptions import NameValidationException
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import String
@@ -56,6 +57,9 @@ def main() -> int:
         return (_spawn_entity if program == CLASSIC else _create)(words, client)
     except SimulatorError as error:
         sys.stderr.write(f"{error.message}\n{error.hint}\n")
+        return 1
+    except NameValidationException as error:
+        sys.stderr.write(f"{error}\nCorrect the name in the launch file.\n")
         return 1
     except KeyboardInterrupt:
         return 130
