@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 # Of what a push at the contact moves. With much less, 50 iterations do not spread the load; DART
 # solves exactly and has 1e-5.
-SOFTNESS = 0.35
+SOFTNESS = 0.4
 DEEPEST = 1e-4  # m, that a body sinks in by its own weight; for large steps it is less soft
 GRAVITY = 9.8  # m/s²
 SAME_HEIGHT = 1e-4  # m
