@@ -62,7 +62,8 @@ def showing(file: Path) -> Iterator[tuple[View, Any]]:
 
 def open_page(chromium: Chromium, port: int, element: str) -> Page:
     """Open the page and wait for an element of the panel."""
-    tab = chromium.open(f"http://127.0.0.1:{port}", width=WIDTH, height=HEIGHT)
+    url = f"http://127.0.0.1:{port}"
+    tab = chromium.open(url, width=WIDTH, height=HEIGHT, draws_seldom=True)
     tab.wait_for(f"!!document.querySelector({json.dumps(element)})", SECONDS)
     # The notice that no graphics card draws is in front of the scene.
     tab.evaluate("document.querySelectorAll('.mantine-Notification-root').forEach(n => n.remove())")
