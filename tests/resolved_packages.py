@@ -63,7 +63,10 @@ from pip._vendor.packaging import markers
 
 fetch, parse = LinkCollector.fetch_response, package_finder.parse_links
 open_wheel, download = Distribution.from_wheel, Downloader.__call__
-elsewhere = re.compile("musllinux|_(i686|armv[67]l|ppc64(le)?|s390x|riscv64)|win32|win_arm64|-pp3")
+elsewhere = re.compile(
+    "musllinux|_(i686|armv[67]l|ppc64(le)?|s390x|riscv64)|win32|win_arm64"
+    "|-pp3|-cp(2.|3[0-9])-cp|-cp3..-cp3..t-"  # other interpreters than those of PYTHONS
+)
 pages, links, opened, downloaded = {}, {}, {}, {}
 kept = tempfile.TemporaryDirectory()
 
