@@ -333,6 +333,15 @@ def test_a_camera_of_classic() -> None:
     assert image.header.frame_id == info.header.frame_id == "optical"
 
 
+def test_a_camera_without_its_element_is_that_of_sdformat() -> None:
+    plugin = '<plugin name="p" filename="libgazebo_ros_camera.so"/>'
+    ros = run(mounted(f'<sensor name="eye" type="camera">{plugin}</sensor>'))
+    image = ros.published("/eye/image_raw")[-1]
+    assert (image.width, image.height, image.encoding) == (320, 240, "rgb8")
+    focal = 160 / math.tan(1.047 / 2)
+    assert ros.published("/eye/camera_info")[-1].k[0] == pytest.approx(focal)
+
+
 def test_a_depth_camera_of_classic() -> None:
     text = (
         f'<sensor name="eye" type="depth">{CAMERA}'

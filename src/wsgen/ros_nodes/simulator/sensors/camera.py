@@ -23,6 +23,7 @@ import numpy as np
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2
 from std_msgs.msg import Empty
 
+from wsgen.model.devices import Element
 from wsgen.model.transform import compose
 from wsgen.rendering.sensor_camera import SensorScene
 from wsgen.ros_nodes.simulator.elements import boolean, number
@@ -44,7 +45,7 @@ from wsgen.ros_nodes.simulator.sensors.picture import (
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from wsgen.model.devices import Element, MountedSensor
+    from wsgen.model.devices import MountedSensor
     from wsgen.model.transform import Pose
     from wsgen.ros_nodes.simulator.host import Host, RobotHandle
     from wsgen.ros_nodes.simulator.sensors.picture import CameraSpec, Intrinsics
@@ -103,7 +104,8 @@ class Camera(Sensor):
         self.eyes: list[Eye] = []
         self._random = np.random.default_rng(self.seed)
         self._triggers: int | None = None  # pictures to take; None: it needs none
-        cameras = list(sensor.element.find_all("camera")) or [self.of("camera")]
+        # Gazebo adds a <camera> that is not there, with what sdformat has for one.
+        cameras = list(sensor.element.find_all("camera")) or [Element(tag="camera")]
         if host.simulator == "classic":
             for plugin in self.classic_plugins(CAMERA_PLUGIN):
                 self._open_classic(plugin, cameras)
