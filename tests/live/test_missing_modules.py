@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 @pytest.mark.parametrize(
     ("module", "words"),
     [
-        ("cv2", "/py -m pip install opencv-python-headless"),
+        ("cv2", "/py -m pip install 'opencv-python-headless<5'"),
         ("yaml", "/py -m pip install PyYAML"),
         ("PIL.Image", "/py -m pip install pillow"),
         ("pinocchio", "/py -m pip install pin"),  # a package of ROS, too

@@ -38,7 +38,7 @@ ON_PYPI = {
     "bs4": "beautifulsoup4",
     "can": "python-can",
     "Crypto": "pycryptodome",
-    "cv2": "opencv-python-headless",
+    "cv2": "'opencv-python-headless<5'",  # ROS has 4; with 5 the lines of HoughLinesP are flat
     "dotenv": "python-dotenv",
     "em": "empy",
     "gi": "PyGObject",

@@ -90,7 +90,7 @@ class _Windows:
                 program = Path(sys.argv[0]).name
                 sys.stderr.write(
                     f"[WARN] [{program}]: OpenCV shows no windows: {self._missing}. On a machine "
-                    "with a screen, install opencv-python instead of opencv-python-headless\n"
+                    "with a screen, install 'opencv-python<5' instead of opencv-python-headless\n"
                 )
                 sys.stderr.flush()
             return without(*args, **named)
