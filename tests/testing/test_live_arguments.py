@@ -198,6 +198,13 @@ def test_fields_are_set() -> None:
             ),
         ),
         (
+            {"linear": {"x:0.5": None}},
+            (
+                "`linear` of geometry_msgs/msg/Twist has no field `x:0.5`.\n"
+                "Write `x: 0.5`, with a blank. Fields of geometry_msgs/Vector3: x, y."
+            ),
+        ),
+        (
             {"angular": {}, "linear": {"x": 0.5, "y": "fast"}},
             (
                 "The field `linear.y` of geometry_msgs/msg/Twist does not take 'fast'.\n"

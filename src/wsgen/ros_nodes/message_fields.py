@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from wsgen.suggestions import ask_for_nearest
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Callable, Collection, Iterator, Mapping
 
 
 class WrongFieldError(Exception):
@@ -64,12 +64,18 @@ def _check_names(
             of = f"`{before}` of {type_name}" if before else type_name
             raise WrongFieldError(
                 f"{of} has no field `{name}`.\n"
-                f"{ask_for_nearest(str(name), known)}"
+                f"{_blank_after_colon(str(name), known) or ask_for_nearest(str(name), known)}"
                 f"Fields of {kind}: {', '.join(known) or 'none'}."
             )
         for place, inner, inner_kind, inner_values in _messages_in(message, name, value):
             where = f"{before}.{place}" if before else place
             _check_names(inner, inner_values, type_name, inner_kind, where)
+
+
+def _blank_after_colon(name: str, known: Collection[str]) -> str:
+    """What to write where YAML has taken `{x:0.5}` for a name without a value."""
+    field, colon, value = name.partition(":")
+    return f"Write `{field}: {value}`, with a blank. " if colon and field in known else ""
 
 
 def _refused(
