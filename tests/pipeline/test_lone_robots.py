@@ -174,3 +174,31 @@ def test_a_part_may_be_in_a_folder_of_models(tmp_path: Path, uri: str, severity:
     outcome = check(CheckRequest(paths=(tmp_path / "model.sdf",)), environment={})
     found = [one for one in outcome.diagnostics if one.code == "WLD004"]
     assert [one.severity.value for one in found] == [severity]
+
+
+@pytest.mark.parametrize(
+    ("text", "severity"),
+    [
+        ("<robot>\n<!-- what is added -->\n</robot>\n", "info"),
+        ('<?xml version="1.0"?>\n<robot/>', "info"),
+        ('<robot xmlns:xacro="http://www.ros.org/wiki/xacro">\n</robot>', "info"),
+        ('<robot><material name="a"/></robot>', "error"),
+    ],
+)
+def test_a_robot_may_be_empty_on_purpose(tmp_path: Path, text: str, severity: str) -> None:
+    (tmp_path / "empty.urdf").write_text(text)
+    outcome = check(CheckRequest(paths=(tmp_path / "empty.urdf",)), environment={})
+    found = {one.code: one.severity.value for one in outcome.diagnostics}
+    assert found == {"ROB004": severity, "ROB005": severity}
+
+
+@pytest.mark.parametrize(("uri", "severity"), [("model://a/h.png", "warning"), ("h.png", "error")])
+def test_a_heightmap_may_be_in_a_folder_of_models(tmp_path: Path, uri: str, severity: str) -> None:
+    shape = f"<geometry><heightmap><uri>{uri}</uri><size>9 9 1</size></heightmap></geometry>"
+    (tmp_path / "w.world").write_text(
+        "<sdf version='1.6'><world name='w'><model name='m'><static>1</static><link name='l'>"
+        f"<collision name='c'>{shape}</collision></link></model></world></sdf>"
+    )
+    outcome = check(CheckRequest(paths=(tmp_path / "w.world",)), environment={})
+    found = [one for one in outcome.diagnostics if one.code == "WLD050"]
+    assert [one.severity.value for one in found] == [severity]

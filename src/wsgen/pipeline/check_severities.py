@@ -55,6 +55,7 @@ from wsgen.sdf.worlds import NO_GROUND
 from wsgen.source_shares import may_have_sources
 from wsgen.suggestions import advice, misspelled_as, suggested
 from wsgen.urdf.gazebo import SDF_NOT_SIMULATED
+from wsgen.urdf.reader import UNNAMED_ROBOT
 from wsgen.values import lazy_pattern
 from wsgen.xacro.reader import XACRO_FILE_FAILS
 
@@ -314,6 +315,7 @@ def of_file_alone(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
             or UNDEFINED_ARGUMENT in found.message
             or (found.code == XACRO_FILE_FAILS.code and _has_empty_part(found))
             or _is_of_others(found)
+            or _is_of_empty(found)
         ):
             yield replace(found, severity=Severity.INFO)
         elif found.code == UNKNOWN_LINK.code and _is_linked_beside(found):
@@ -323,6 +325,24 @@ def of_file_alone(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
             yield replace(found, severity=Severity.WARNING) if is_known else found
         else:
             yield found
+
+
+_EMPTY = lazy_pattern(
+    rb"(?:\s|<!--.*?-->|<\?.*?\?>)*<robot\b(?:(?!\sname)[^>])*(?:/>|>(?:\s|<!--.*?-->)*</robot\s*>)\s*",
+    re.DOTALL,
+)
+
+
+def _is_of_empty(found: Diagnostic) -> bool:
+    """Whether a file has no robot on purpose: another one includes it where nothing is to be added.
+
+    That is `<robot/>`, without a name, and with nothing but comments in it.
+    """
+    return (
+        found.code in {NO_LINK.code, UNNAMED_ROBOT.code}
+        and found.file is not None
+        and _EMPTY.fullmatch(read(found.file)) is not None
+    )
 
 
 _UNKNOWN_LINK = lazy_pattern(r"is `([^`]+)`, but no link has that name")
@@ -417,7 +437,6 @@ def without_absent_packages(
             yield one
 
 
-_OF_MODEL = lazy_pattern(r"mesh `model://[^`]*` of the link `[^`]*` is missing\.$")
 _ON_NETWORK = lazy_pattern(r"^The (?:model|visual mesh|collision mesh) `https?://")
 _NOT_SIMULATED = lazy_pattern(r"of the world is not simulated\.$")
 _OF_WORLDS = frozenset(
@@ -427,20 +446,15 @@ _OF_WORLDS = frozenset(
 
 def _without_elsewhere(found: Diagnostic) -> Diagnostic:
     """Say how bad it is that a world lacks something here which Gazebo has or downloads."""
+    if found.severity is Severity.ERROR and found.reason == ELSEWHERE:
+        return replace(found, severity=Severity.WARNING)
     if found.code not in _OF_WORLDS:
         return found
     is_note = _NOT_SIMULATED.search(found.message) or (
         _ON_NETWORK.search(found.message)
         and not found.message.endswith("; wsgen loads files only.")
     )
-    if is_note:
-        return replace(found, severity=Severity.INFO)
-    is_elsewhere = found.reason == ELSEWHERE or (
-        _OF_MODEL.search(found.message) and not suggested(found.hint)
-    )
-    if found.severity is Severity.ERROR and is_elsewhere:
-        return replace(found, severity=Severity.WARNING)  # it may be in a folder of models
-    return found
+    return replace(found, severity=Severity.INFO) if is_note else found
 
 
 def without_replaced_options(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:

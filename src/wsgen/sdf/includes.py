@@ -386,6 +386,11 @@ def how_to_find(uri: str) -> str:
     return WHERE
 
 
+def elsewhere(uri: str, path: Path | None) -> str | None:
+    """`ELSEWHERE` where a file of a model is missing because the model is not found."""
+    return ELSEWHERE if path is None and uri.startswith("model://") else None
+
+
 def _may_be_elsewhere(uri: str) -> bool:
     """Whether Gazebo also looks for it in folders of models that wsgen may not know."""
     return uri.startswith("model://") or "/" not in uri

@@ -37,7 +37,7 @@ from wsgen.model.robot import (
 )
 from wsgen.model.transform import Pose, compose, multiply, rotation_of_rpy, rpy_of_rotation
 from wsgen.sdf.frames import DUPLICATE_SDF_NAME, is_level_at_zero
-from wsgen.sdf.includes import how_to_find
+from wsgen.sdf.includes import elsewhere, how_to_find
 from wsgen.sdf.lookup import instead_of_file, is_file
 from wsgen.sdf.source import line_of
 from wsgen.sdf.textures import read_texture
@@ -200,6 +200,7 @@ def read_heightmap(
             hint="Check its spelling and capitals; wsgen looks for the folder of model://NAME in "
             "GAZEBO_MODEL_PATH, GZ_SIM_RESOURCE_PATH and around this file.",
             severity=Severity.WARNING if owner.tag == "visual" else Severity.ERROR,
+            reason=elsewhere(uri, path),
         )
         return Heightmap(uri=uri) if uri else None
     if path.suffix.lower() not in IMAGES:
@@ -501,6 +502,7 @@ class ShapeReader:
                 f"{'' if path is None else f' ({path})'}.",
                 at=shape,
                 hint=how_to_find(uri),
+                reason=elsewhere(uri, path),
             )
         return Mesh(uri=uri, scale=scale) if uri else None
 
