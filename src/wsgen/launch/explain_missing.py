@@ -179,6 +179,9 @@ GLUED_COMMAND = Rule(
 )
 
 
+OF_NO_PACKAGE = "in no package"  # a reason of `FILE_NOT_INSTALLED`
+
+
 class Explanation(NamedTuple):
     """What is reported of an exception; file and line where they are not the launch file's."""
 
@@ -338,6 +341,7 @@ def _missing_file(path: str) -> Explanation:
             f"The file '{path}' does not exist.",
             f"Look it up in the share folder of a package: {where}.",
             element=path,
+            reason=OF_NO_PACKAGE,
         )
     inside = known_packages.as_on_linux(path).rpartition(f"/share/{package}/")[2]
     folder, found, _ = inside.partition("/")

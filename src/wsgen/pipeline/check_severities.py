@@ -30,7 +30,12 @@ from wsgen.launch.explain import (
     UNDEFINED_CONFIGURATION,
     VARIABLE_NOT_SET,
 )
-from wsgen.launch.explain_missing import FILE_NOT_INSTALLED, PACKAGE_NOT_FOUND, XACRO_FAILS
+from wsgen.launch.explain_missing import (
+    FILE_NOT_INSTALLED,
+    OF_NO_PACKAGE,
+    PACKAGE_NOT_FOUND,
+    XACRO_FAILS,
+)
 from wsgen.launch.explain_names import (
     API_PACKAGES,
     IMPORT_ERROR,
@@ -48,8 +53,8 @@ from wsgen.rules.friction import NO_FRICTION_DIRECTION
 from wsgen.rules.ros2_control import INCOMPLETE_CONTROL
 from wsgen.rules.simulators import SPAWNER_OF_OTHER_SIMULATOR
 from wsgen.sdf.assembly import CLOSED_CHAIN, JOINT_LEFT_OUT
-from wsgen.sdf.includes import ELSEWHERE, MODEL_LEFT_OUT
-from wsgen.sdf.models import NO_WORLD
+from wsgen.sdf.includes import DOWNLOADED, ELSEWHERE
+from wsgen.sdf.models import NO_WORLD, NOT_SIMULATED
 from wsgen.sdf.shapes import SHAPE_LEFT_OUT
 from wsgen.sdf.worlds import NO_GROUND
 from wsgen.source_shares import may_have_sources
@@ -156,7 +161,7 @@ def of_launch(
             yield from _of_configuration(found, one, beside, is_included_elsewhere)
         elif found.code == INVALID_SPAWNER_OPTION.code and is_open:
             yield replace(found, severity=Severity.INFO)
-        elif found.code == FILE_NOT_INSTALLED.code and OF_NO_PACKAGE in (found.hint or ""):
+        elif found.code == FILE_NOT_INSTALLED.code and found.reason == OF_NO_PACKAGE:
             yield replace(found, severity=Severity.WARNING)  # some program may write it before
         else:
             yield found
@@ -204,7 +209,6 @@ def _is_wrong_import(found: Diagnostic) -> bool:
 
 
 DEVICE = lazy_pattern(r"/dev/(?!shm\b|null\b)\w")
-OF_NO_PACKAGE = "Look it up in the share folder of a package"  # the hint for other paths
 
 
 def _lacks_device(found: Diagnostic) -> bool:
@@ -437,24 +441,13 @@ def without_absent_packages(
             yield one
 
 
-_ON_NETWORK = lazy_pattern(r"^The (?:model|visual mesh|collision mesh) `https?://")
-_NOT_SIMULATED = lazy_pattern(r"of the world is not simulated\.$")
-_OF_WORLDS = frozenset(
-    rule.code for rule in (MODEL_LEFT_OUT, MISSING_COLLISION_MESH, MISSING_VISUAL_MESH)
-)
-
-
 def _without_elsewhere(found: Diagnostic) -> Diagnostic:
     """Say how bad it is that a world lacks something here which Gazebo has or downloads."""
     if found.severity is Severity.ERROR and found.reason == ELSEWHERE:
         return replace(found, severity=Severity.WARNING)
-    if found.code not in _OF_WORLDS:
-        return found
-    is_note = _NOT_SIMULATED.search(found.message) or (
-        _ON_NETWORK.search(found.message)
-        and not found.message.endswith("; wsgen loads files only.")
-    )
-    return replace(found, severity=Severity.INFO) if is_note else found
+    if found.reason in {DOWNLOADED, NOT_SIMULATED}:
+        return replace(found, severity=Severity.INFO)
+    return found
 
 
 def without_replaced_options(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:

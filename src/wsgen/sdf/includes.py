@@ -34,7 +34,9 @@ if TYPE_CHECKING:
     ReadRobot = Callable[[Path], tuple[Robot | None, tuple[Diagnostic, ...]]]
 
 
+# Reasons of what is missing.
 ELSEWHERE = "maybe in a folder of models"
+DOWNLOADED = "Gazebo downloads it"
 MODEL_LEFT_OUT = Rule(
     code="WLD004",
     name="model-left-out",
@@ -265,7 +267,11 @@ class Includes:
             hint=did_you_mean(f"model://{near}") if near else how_to_find(uri),
             # The models of a world may be where wsgen does not look.
             severity=Severity.ERROR if is_part else Severity.WARNING,
-            reason=None if near or not _may_be_elsewhere(uri) else ELSEWHERE,
+            reason=DOWNLOADED
+            if _is_on_network(uri)
+            else ELSEWHERE
+            if not near and _may_be_elsewhere(uri)
+            else None,
         )
 
     def _near(self, source: Source, uri: str) -> str | None:
@@ -378,7 +384,7 @@ def how_to_find(uri: str) -> str:
         return "Write <uri>model://NAME</uri> into it."
     if "://" not in uri:
         return "Check its spelling and capitals; the path is relative to this file."
-    if uri.startswith(("http://", "https://")):
+    if _is_on_network(uri):
         return (
             f"Download it once with `gz fuel download -u '{uri}'` (Gazebo Fortress: `ign fuel`), "
             "or put its folder into one of GZ_SIM_RESOURCE_PATH, and include model://NAME."
@@ -387,8 +393,14 @@ def how_to_find(uri: str) -> str:
 
 
 def elsewhere(uri: str, path: Path | None) -> str | None:
-    """`ELSEWHERE` where a file of a model is missing because the model is not found."""
+    """The reason where a file of a model is missing because the model is not found."""
+    if _is_on_network(uri):
+        return DOWNLOADED
     return ELSEWHERE if path is None and uri.startswith("model://") else None
+
+
+def _is_on_network(uri: str) -> bool:
+    return uri.startswith(("http://", "https://"))
 
 
 def _may_be_elsewhere(uri: str) -> bool:

@@ -391,6 +391,9 @@ def _carries(node: Node, model: SdfModel) -> bool:
     )
 
 
+NOT_SIMULATED = "not simulated"
+
+
 def _report_left_out(world: Scope) -> None:
     for element in children(world.element, "joint", "population", "actor"):
         world.source.report(
@@ -398,6 +401,7 @@ def _report_left_out(world: Scope) -> None:
             f"The {element.tag} {element.get('name') or ''} of the world is not simulated.",
             at=element,
             hint="The robots are simulated without it.",
+            reason=NOT_SIMULATED,
         )
 
 
