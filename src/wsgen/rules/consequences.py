@@ -96,7 +96,12 @@ CONSEQUENCES = (
     # Links with too little inertia shake.
     Consequence(IMPOSSIBLE_INERTIA.code, EXPLODES, errors=_codes(KEEPS_MOVING)),
     Consequence(IMPLAUSIBLE_INERTIA.code, EXPLODES, errors=_codes(KEEPS_MOVING)),
-    Consequence(IMPLAUSIBLE_DENSITY.code, EXPLODES, errors=_codes(KEEPS_MOVING)),
+    # So does one that is too heavy for what carries it, or sinks in.
+    Consequence(
+        IMPLAUSIBLE_DENSITY.code,
+        (*EXPLODES, STUCK_IN_GROUND.code),
+        errors=_codes(KEEPS_MOVING),
+    ),
     Consequence(DEFAULT_INERTIA.code, EXPLODES, errors=_codes(KEEPS_MOVING)),
     Consequence(MASSLESS_MODEL_LINK.code, EXPLODES, errors=_codes(KEEPS_MOVING)),
     # The limit pushes the joint.
