@@ -354,6 +354,23 @@ def explain_write_error(
     )
 
 
+def explain_disk_error(error: OSError) -> NotReadableError | None:
+    """Explain that a disk is full or read-only, as it may be behind standard output; else None."""
+    if error.errno in {*FULL, errno.EROFS} and isinstance(error.filename, str):
+        return explain_write_error(error, Path(error.filename))
+    if error.errno in FULL:
+        return NotReadableError(
+            f"Cannot write the output or a temporary file: {error.strerror}.",
+            hint="Free some space, or use a folder on another disk: TMPDIR=DIR wsgen ...",
+        )
+    if "No usable temporary directory" in str(error):  # raised by Python if all are full
+        return NotReadableError(
+            "No temporary folder is usable: each is full or not writable.",
+            hint="Free some space in /tmp, or use another folder: TMPDIR=DIR wsgen ...",
+        )
+    return None
+
+
 def mount_point(path: Path) -> Path:
     """Return the folder at which the file system of a path is mounted."""
     real = Path(os.path.realpath(path))

@@ -158,6 +158,32 @@ def test_a_run_without_a_simulator_ends_after_its_seconds(workspace: Path, tmp_p
     assert "Did you mean `spawn_entity.py`?" in refused.stderr
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("list",),  # written at the end
+        ("pub", "/x", "std_msgs/msg/String", "{data: a}", "--once", "-w", "0"),  # and at once
+    ],
+)
+def test_a_topic_command_whose_output_finds_a_full_disk(
+    workspace: Path, tmp_path: Path, words: Sequence[str]
+) -> None:
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "wsgen", "topic", *words, "--spin-time", "0"],
+            cwd=workspace,
+            env=_environment(tmp_path),
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=SECONDS,
+            check=False,
+        )
+    assert done.returncode == 4, done.stderr
+    assert "Cannot write the output or a temporary file: No space left" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
 @needs_chromium
 def test_a_run_is_shown_in_the_browser(workspace: Path, tmp_path: Path) -> None:
     pytest.importorskip("viser")

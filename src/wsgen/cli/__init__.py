@@ -6,7 +6,6 @@ Commands are imported when they are called, so that `wsgen --help` costs little 
 from __future__ import annotations
 
 import contextlib
-import errno
 import gc
 import importlib
 import io
@@ -317,25 +316,9 @@ def _explain_library(error: ImportError) -> WsgenError | None:
 
 
 def _explain_disk(error: OSError) -> WsgenError | None:
-    """The error for a full or read-only disk; None for any other error."""
-    from pathlib import Path
+    from wsgen.files import explain_disk_error
 
-    from wsgen.errors import NotReadableError
-    from wsgen.files import FULL, explain_write_error
-
-    if error.errno in {*FULL, errno.EROFS} and isinstance(error.filename, str):
-        return explain_write_error(error, Path(error.filename))
-    if error.errno in FULL:
-        return NotReadableError(
-            f"Cannot write the output or a temporary file: {error.strerror}.",
-            hint="Free some space, or use a folder on another disk: TMPDIR=DIR wsgen ...",
-        )
-    if "No usable temporary directory" in str(error):  # raised by Python if all are full
-        return NotReadableError(
-            "No temporary folder is usable: each is full or not writable.",
-            hint="Free some space in /tmp, or use another folder: TMPDIR=DIR wsgen ...",
-        )
-    return None
+    return explain_disk_error(error)
 
 
 def _print_bug(error: Exception) -> None:

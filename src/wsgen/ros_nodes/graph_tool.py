@@ -17,6 +17,7 @@ import rclpy
 from rclpy.executors import ExternalShutdownException
 
 from wsgen.errors import WsgenError
+from wsgen.files import explain_disk_error
 from wsgen.ros_environment import open_ros
 from wsgen.ros_environment.interfaces import buildable
 from wsgen.ros_environment.processes import hand_over, handed_over, module_command
@@ -108,10 +109,13 @@ def _answer(node: Any, request: dict[str, Any]) -> int:
         return 1
     except (KeyboardInterrupt, ExternalShutdownException):
         return INTERRUPTED
-    except BrokenPipeError:
+    except OSError as error:
+        code = _code_of_unwritten(error)
+        if code is None:
+            raise
         # Python would complain about it once more when it ends.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return CLOSED
+        return code
     return 0 if rclpy.ok() else INTERRUPTED
 
 
@@ -124,13 +128,29 @@ def end(code: int) -> NoReturn:
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
-        except BrokenPipeError:
-            code = CLOSED
-        except OSError as error:  # a full disk
-            code = code or 1
-            with suppress(OSError):
-                os.write(2, f"The output is not complete: {error.strerror or error}\n".encode())
+        except OSError as error:
+            unwritten = _code_of_unwritten(error)
+            if unwritten is None:
+                _write_error(f"The output is not complete: {error.strerror or error}")
+            code = unwritten or code or 1
     os._exit(code)
+
+
+def _code_of_unwritten(error: OSError) -> int | None:
+    """The exit code where nobody reads the output, or a disk is full, which is told; else None."""
+    if isinstance(error, BrokenPipeError):
+        return CLOSED
+    disk = explain_disk_error(error)
+    if disk is None:
+        return None
+    _write_error(str(disk))
+    return disk.exit_code
+
+
+def _write_error(text: str) -> None:
+    """Write past the stream, which may be what cannot be written."""
+    with suppress(OSError):
+        os.write(2, f"{text}\n".encode())
 
 
 def _start_with(package: str, request: dict[str, Any]) -> None:
