@@ -45,3 +45,12 @@ def test_shapes_of_two_robots_have_names_of_their_own() -> None:
     with spawned(DartEngine, single(body(PLATE))) as engine:
         (first,) = engine._robots["e"].shapes  # type: ignore[attr-defined]
         assert first[1].getName() == "e 0"
+
+
+def test_a_robot_that_is_too_far_away_has_exploded() -> None:
+    with spawned(DartEngine, single(body(PLATE))) as engine:
+        engine.set_velocity("e", (1e12, 0.0, 0.0), (0.0, 0.0, 0.0))
+        engine.advance(100)
+        assert not engine.look("e").is_finite
+        engine.remove("e")
+        engine.advance(100)

@@ -7,9 +7,23 @@ from dataclasses import replace
 
 import pytest
 
-from simulation.robots import BAR, SPACE, G, NewEngine, body, joint, pendulum, single, spawned, tree
+from simulation.robots import (
+    BAR,
+    GROUND,
+    PLATE,
+    SPACE,
+    G,
+    NewEngine,
+    body,
+    joint,
+    pendulum,
+    single,
+    spawned,
+    tree,
+)
 from wsgen.model.robot import Box, Inertial, JointLimit, JointType, Link
 from wsgen.model.transform import Pose, compose, rotate, rotation_of_rpy
+from wsgen.simulation.scene import SpawnedRobot
 
 
 def test_a_spring_is_part_of_the_energy(new_engine: NewEngine) -> None:
@@ -177,3 +191,27 @@ def test_placed_elsewhere_it_moves_as_if_spawned_there(new_engine: NewEngine) ->
     for name, pose in expected[0].items():
         assert found[0][name].xyz == pytest.approx(pose.xyz, abs=1e-9)
     assert found[1].joint_speed == pytest.approx(expected[1].joint_speed)
+
+
+@pytest.mark.parametrize("speed", [1e6, 1e12])  # m/s; the first one gets far away only in time
+def test_a_robot_that_flies_away_harms_no_other(new_engine: NewEngine, speed: float) -> None:
+    """It is not finite then, or flies on; ODE, which finds contacts for DART, would abort."""
+    stays, leaves = (
+        SpawnedRobot(entity=name, robot=single(body(PLATE)), pose_in_world=Pose((x, 0.0, 0.1)))
+        for name, x in (("stays", 0.0), ("leaves", 3.0))
+    )
+    engine = new_engine(GROUND)
+    for robot in (stays, leaves):
+        engine.spawn(robot)
+    engine.set_velocity("leaves", (speed, 0.0, speed), (0.0, 0.0, 0.0))
+    for _ in range(60):
+        engine.advance(500)
+    assert engine.look("stays").is_finite
+    assert engine.state("stays").xyz[2] == pytest.approx(0.05, abs=0.01)
+    engine.cast_rays([(0.0, 0.0, 1.0)], [(0.0, 0.0, -1.0)])
+    engine.place("leaves", leaves.pose_in_world)  # as a reset does
+    engine.advance(1000)
+    assert engine.look("leaves").is_finite
+    assert engine.state("leaves").xyz[0] == pytest.approx(3.0, abs=0.01)
+    engine.remove("leaves")
+    engine.close()

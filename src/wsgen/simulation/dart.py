@@ -62,6 +62,9 @@ MESH_ROBOT = (
 )
 
 
+# m from the origin along an axis: ODE, which finds the contacts, ends the process about 2e8 m away.
+FARTHEST = 1e7
+
 # Of the shapes that collide only where a robot is not alone, by that of the shape that is measured.
 TOUCHING_NAME = "{} touching"
 
@@ -199,6 +202,11 @@ class DartBody:
             base.setPositions(dynamics.FreeJoint.convertToPositions(place))
         self._pose_of_world = pose_in_world
 
+    def is_far(self) -> bool:
+        """Whether a link is so far away that its contacts cannot be looked for, or nowhere."""
+        places = (node.getWorldTransform().translation().tolist() for node in self.nodes.values())
+        return not all(abs(part) < FARTHEST for place in places for part in place)
+
     def set_velocity(self, linear: Vector, angular: Vector) -> None:
         """Have the root move (m/s, the origin of its frame) and turn (rad/s), in the world."""
         if not self.robot.fixed_to_world and not self.robot.is_static:
@@ -329,6 +337,7 @@ def _shape_of(geometry: Geometry) -> Any:
 GROUND_SIZE = (1000.0, 1000.0, 10.0)  # m
 
 STILL = (0.0, 0.0, 0.0)
+NOWHERE = (math.nan, math.nan, math.nan)
 MOST_CONTACTS = 10_000  # of a search for overlaps; no robot has as many shapes in each other
 
 
@@ -339,6 +348,8 @@ class DartEngine:
         self.step_seconds = world.step
         self._robots: dict[str, DartBody] = {}
         self._driven: dict[str, DartBody] = {}  # those with motors
+        self._movable: dict[str, DartBody] = {}  # those that time can move
+        self._exploded: set[str] = set()  # those that DART no longer has: they were too far away
         self._pushes: dict[tuple[str, str], Vector] = {}  # N, by entity and link
         self._has_stepped = False  # since something was placed
         self._ground: Any = None  # the frame of its shape
@@ -377,6 +388,8 @@ class DartEngine:
         self._rays_group = None
         self._keep_apart(body)
         self._robots[robot.entity] = body
+        if not model.is_static and body.skeleton.getNumDofs():
+            self._movable[robot.entity] = body
         if len(self._robots) > 1 or body.skeleton.isEnabledSelfCollisionCheck():
             for one in self._robots.values():
                 one.touch_with_all()
@@ -395,13 +408,23 @@ class DartEngine:
     def place(self, entity: str, pose_in_world: Pose) -> None:
         """Put a robot elsewhere, as if it had been spawned there."""
         self._robots[entity].place(pose_in_world)
+        if entity in self._exploded:
+            self._exploded.remove(entity)
+            self._movable[entity] = self._robots[entity]
+            self._world.addSkeleton(self._robots[entity].skeleton)
+            self._rays_group = None
         self._has_stepped = False
 
     def remove(self, entity: str) -> None:
         """Take a robot out of the world; its name may be used again."""
-        self._world.removeSkeleton(self._robots.pop(entity).skeleton)
+        body = self._robots.pop(entity)
+        if entity in self._exploded:
+            self._exploded.remove(entity)
+        else:
+            self._world.removeSkeleton(body.skeleton)
         self._rays_group = None
         self._driven.pop(entity, None)
+        self._movable.pop(entity, None)
         self._pushes = {place: one for place, one in self._pushes.items() if place[0] != entity}
 
     def set_velocity(self, entity: str, linear: Vector, angular: Vector) -> None:
@@ -451,7 +474,7 @@ class DartEngine:
         pose = body.link_pose(body.robot.root)
         roots = body.loose_nodes  # none of a root that is the world
         return State(
-            xyz=pose.xyz,
+            xyz=NOWHERE if entity in self._exploded else pose.xyz,
             xyzw=quaternion_of_rpy(pose.rpy),
             speed=max(
                 (math.hypot(*node.getCOMLinearVelocity().tolist()) for node in roots), default=0.0
@@ -523,7 +546,12 @@ class DartEngine:
         """
         group = self._rays_group
         # Asked for also where they are known: that puts what level ground need not touch in place.
-        shapes = [frame for body in self._robots.values() for _, frame in body.shapes]
+        shapes = [
+            frame
+            for entity, body in self._robots.items()
+            if entity not in self._exploded
+            for _, frame in body.shapes
+        ]
         if group is None:
             # ODE's detector, which the world has, casts none.
             detector = dartpy.collision.BulletCollisionDetector()
@@ -566,6 +594,10 @@ class DartEngine:
     def advance(self, steps: int) -> None:
         """Let time pass."""
         for _ in range(steps):
+            for entity, body in tuple(self._movable.items()):
+                positions = body.skeleton.getPositions()  # m, and rad, but that is quick
+                if not positions.dot(positions) < FARTHEST**2 and body.is_far():
+                    self._take_out(entity)
             for body in self._driven.values():
                 body.command()
             self._has_stepped = True
@@ -574,6 +606,12 @@ class DartEngine:
                 if node is not None:  # DART forgets forces, too
                     node.addExtForce(force, node.getLocalCOM(), False, True)
             self._world.step()
+
+    def _take_out(self, entity: str) -> None:
+        """Go on without a robot that has exploded: its state is not finite from now on."""
+        self._world.removeSkeleton(self._movable.pop(entity).skeleton)
+        self._exploded.add(entity)
+        self._rays_group = None
 
     def push(self, entity: str, link: str, force: Vector) -> None:
         """From now on, have a force (N, in the world) act on a link at its center of mass."""
