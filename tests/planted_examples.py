@@ -668,6 +668,15 @@ BUILDS: dict[str, Plant] = {
     "BLD059": build(files={"scripts/my_node.py": SCRIPT}),
     "BLD061": build(files={"scripts/my_node.py": SCRIPT}, is_good_code=False),
     "BLD062": build(files=CMAKE_LAUNCH),
+    "BLD068": build(
+        TOP + FIND + "find_package(pluginlib REQUIRED)\n@\n",
+        files={
+            "package.xml": manifest("jazzy").replace(
+                "  <export>", "  <depend>pluginlib</depend>\n  <export>"
+            ),
+            "plugins.xml": '<library path="my_library"></library>\n',
+        },
+    ),
     "BLD063": setup(
         "from setuptools import setup\npackage_name = 'my_robot'\n"
         "setup(name=package_name, version='0.1.0', packages=['my_robot'], @)\n"

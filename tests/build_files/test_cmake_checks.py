@@ -58,6 +58,11 @@ def test_a_sound_package(tmp_path: Path) -> None:
         (START + INSTALL + END + END, ("repeated-ament-package", 6, "error")),
         (START + INSTALL + END + "ament_export_dependencies(rclcpp)\n",
          ("command-after-ament-package", 6, "error")),
+        (START + INSTALL + END + "rosidl_generate_interfaces(bot ${interfaces})\n",
+         ("command-after-ament-package", 6, "error")),
+        (START + INSTALL + "add_library(part SHARED src/node.cpp)\n" + END
+         + 'rclcpp_components_register_nodes(part "bot::Part")\n',
+         ("registered-after-ament-package", 7, "warning")),
         (START.partition("\n")[2] + INSTALL + END, ("missing-cmake-minimum", 1, "warning")),
         (START.replace("3.8", "2.8") + INSTALL + END, ("old-cmake-minimum", 1, "warning")),
         (START + INSTALL + "ament_pakage()\n" + END, ("unknown-command", 5, "error")),
@@ -94,6 +99,10 @@ def test_a_sound_package(tmp_path: Path) -> None:
 )  # fmt: skip
 def test_mistakes(tmp_path: Path, text: str, expected: tuple[str, int, str]) -> None:
     assert report(tmp_path, text) == [expected]
+
+
+def test_install_after_ament_package_works(tmp_path: Path) -> None:
+    assert report(tmp_path, START + END + INSTALL) == []
 
 
 @pytest.mark.parametrize(

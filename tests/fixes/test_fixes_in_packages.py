@@ -223,6 +223,13 @@ CASES: list[tuple[str, ...]] = [
         "ament_export_dependencies(xacro)\nament_package()\n",
     ),
     (
+        "registered-after-ament-package",
+        "CMakeLists.txt",
+        "ament_package()\n",
+        "ament_package()\nregister_rviz_ogre_media_exports(DIRECTORIES worlds)\n",
+        "register_rviz_ogre_media_exports(DIRECTORIES worlds)\nament_package()\n",
+    ),
+    (
         "folder-not-installed",
         "CMakeLists.txt",
         "launch urdf worlds",

@@ -314,7 +314,7 @@ def different_names(failure: Failure) -> Iterator[Diagnostic]:
 def late_command(failure: Failure) -> Iterator[Diagnostic]:
     """Say which command must come before ament_package()."""
     for error in failure.errors:
-        match = re.match(r"(ament_\w+)\(\) must be called before ament_", error.message)
+        match = re.match(r"(\w+)\(\) must be called before ament_", error.message)
         calls = [call.command for call in read_calls(failure.cmake_file)]
         if match and calls.count("ament_package") == 1:
             yield failure.report(

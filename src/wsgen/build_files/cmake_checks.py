@@ -189,6 +189,20 @@ ament_export_dependencies(rclcpp)""",
     instead="""ament_export_dependencies(rclcpp)
 ament_package()""",
 )
+LATE_REGISTRATION = Rule(
+    code="BLD068",
+    name="registered-after-ament-package",
+    severity=Severity.WARNING,
+    summary="CMakeLists.txt registers a plugin or component after ament_package(), which is lost.",
+    what="Looks for `pluginlib_export_plugin_description_file()` and "
+    "`rclcpp_components_register_node()` and their like. A later `install()` works.",
+    why="`ament_package()` writes what is registered until then into the ament index. The build "
+    "reports nothing, and the plugin or component is not found when it is loaded.",
+    example="""ament_package()
+pluginlib_export_plugin_description_file(nav2_core plugins.xml)""",
+    instead="""pluginlib_export_plugin_description_file(nav2_core plugins.xml)
+ament_package()""",
+)
 MISSING_SUBDIRECTORY = Rule(
     code="BLD050",
     name="missing-subdirectory",
@@ -257,7 +271,16 @@ EXPORTS = frozenset(
         *("ament_export_definitions", "ament_export_dependencies", "ament_export_libraries"),
         *("ament_export_include_directories", "ament_export_interfaces", "ament_export_targets"),
         *("ament_export_library_names", "ament_export_link_flags"),
-        *("ament_environment_hooks", "ament_python_install_package"),
+        *("ament_environment_hooks", "ament_python_install_package", "ament_vendor"),
+        *("ament_export_development_version_if_higher_than_manifest",),
+        *("rosidl_generate_interfaces",),
+    }
+)
+# These only note something, which their extension of ament_package() writes into the ament index.
+REGISTRATIONS = frozenset(
+    {
+        *("pluginlib_export_plugin_description_file", "rclcpp_components_register_node"),
+        *("rclcpp_components_register_nodes", "register_rviz_ogre_media_exports"),
     }
 )
 AT_THE_END = "Move ament_package() to the end of CMakeLists.txt."
@@ -460,17 +483,23 @@ def ament_package(reader: Reader, build_type: str) -> Iterator[Diagnostic]:
             hint="Call it once, at the end.",
         )
     for first in certain[:1]:
-        for command in EXPORTS & reader.mentions.keys():
-            for mention in reader.mentions[command]:
-                if mention.order > first.order and mention.is_certain:
-                    yield LATE_COMMAND.at(
-                        mention.file,
-                        mention.call.line,
-                        reader.name,
-                        message=f"{reader.name}: {command}() is called after ament_package(), and "
-                        "must come before it.",
-                        hint=AT_THE_END,
-                    )
+        for rule, commands in ((LATE_COMMAND, EXPORTS), (LATE_REGISTRATION, REGISTRATIONS)):
+            for command in sorted(commands & reader.mentions.keys()):
+                for mention in reader.mentions[command]:
+                    if mention.order > first.order and mention.is_certain:
+                        yield rule.at(
+                            mention.file,
+                            mention.call.line,
+                            reader.name,
+                            message=f"{reader.name}: {_word_late(rule, command)}",
+                            hint=AT_THE_END,
+                        )
+
+
+def _word_late(rule: Rule, command: str) -> str:
+    if rule is LATE_COMMAND:
+        return f"{command}() is called after ament_package(), and must come before it."
+    return f"{command}() is called after ament_package(), which does not register it then."
 
 
 def missing_ament_package(package: str, file: Path, line: int | None) -> Diagnostic:

@@ -61,6 +61,7 @@ FIXERS: Mapping[str, Fixer] = {
     "unknown-setup-option": build_files.fix_setup_option,
     "broken-console-script": build_files.fix_script_folder,
     "command-after-ament-package": build_files.move_ament_package,
+    "registered-after-ament-package": build_files.move_ament_package,
     "contents-installed": install_rules.remove_last_slashes,
     "repeated-folder": install_rules.shorten_destination,
     "wrong-destination": install_rules.fix_destination,
