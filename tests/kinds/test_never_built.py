@@ -94,6 +94,21 @@ def test_what_nobody_looks_up_is_not_named(workspace: KindOfWorkspace) -> None:
     assert found_later.message.startswith("Not built: trolley_description, trolley_docs.")
 
 
+def test_what_is_built_and_not_registered(workspace: KindOfWorkspace) -> None:
+    file = workspace.root / "src" / "trolley_description" / "CMakeLists.txt"
+    file.write_text(file.read_text(encoding="utf-8").replace("ament_package()", ""))
+    assert workspace.wsgen("build").code == 1  # missing-ament-package
+    answer = workspace.wsgen("validate", "--format", "json")
+    (package,) = answer.document["packages"]
+    (found,) = [one for one in package["diagnostics"] if one["code"] == "PKG065"]
+    assert answer.code == 0
+    assert found["message"] == (
+        "Built, but not registered in the ament index, where ROS looks: trolley_description. "
+        "Its source folder is used as share folder."
+    )
+    assert "ament_package()" in found["hint"]
+
+
 def test_what_is_installed_wins(workspace: KindOfWorkspace) -> None:
     """A file that the source has and that is not installed is an error, as for `ros2 launch`."""
     assert workspace.wsgen("build", "trolley_description").code == 0

@@ -33,9 +33,10 @@ SOURCE_USED = Rule(
     code="PKG065",
     name="source-used",
     severity=Severity.INFO,
-    summary="A package is not built; its source folder is used as its share folder.",
-    what="Looks for packages of the workspace, or of the repository, that no install space has and "
-    "that the launch files and robots look up.",
+    summary="A package is not built, or built and not registered; its source folder is used as its "
+    "share folder.",
+    what="Looks for packages of the workspace, or of the repository, that no install space has in "
+    "its ament index and that the launch files and robots look up.",
     why="The robot is simulated as if each package installed every file under its own name. "
     "`ros2 launch` finds only what is built, and what CMakeLists.txt or setup.py installs.",
     example="git clone …/my_robot\nwsgen validate",
@@ -52,6 +53,8 @@ class Overlay:
     prefixes: tuple[Path, ...]  # of AMENT_PREFIX_PATH: the first that has a package wins
     # Packages of the workspace that are not installed -> their source, which serves as share folder
     sources: Mapping[str, Path] = field(default_factory=dict)
+    # Those of `sources` that colcon has built; the ament index does not have them.
+    unregistered: frozenset[str] = frozenset()
 
     def share(self, package: str) -> Path | None:
         """Find the package's share folder as ament_index does; None if it does not exist.
@@ -81,20 +84,34 @@ class Overlay:
         return tuple(sorted({*names, *self.sources}))
 
     def not_built(self) -> tuple[Diagnostic, ...]:
-        """Say which packages were looked up without having been built; nothing where all were."""
+        """Say which packages were looked up that no ament index has; nothing where all are there.
+
+        They are not built, or their build does not register them.
+        """
         used = sorted(name for name in self.sources if is_used(name, self.environment))
-        if not used:
-            return ()
-        more = f" and {len(used) - NAMED} more" if len(used) > NAMED else ""
-        folders = "Source folders are" if len(used) > 1 else "Its source folder is"
         return (
-            SOURCE_USED.at(
-                self.sources[used[0]] if len(used) == 1 else None,
-                message=f"Not built: {', '.join(used[:NAMED])}{more}. "
-                f"{folders} used as share folder{'s' if len(used) > 1 else ''}.",
-                hint="Run `wsgen build` to check what the packages install, too.",
+            *self._sources_used(
+                [name for name in used if name not in self.unregistered],
+                "Not built",
+                "Run `wsgen build` to check what the packages install, too.",
+            ),
+            *self._sources_used(
+                [name for name in used if name in self.unregistered],
+                "Built, but not registered in the ament index, where ROS looks",
+                "Call ament_package() at the end of CMakeLists.txt, then run `wsgen build`.",
             ),
         )
+
+    def _sources_used(self, names: Sequence[str], why: str, hint: str) -> Iterator[Diagnostic]:
+        if names:
+            more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+            folders = "Source folders are" if len(names) > 1 else "Its source folder is"
+            yield SOURCE_USED.at(
+                self.sources[names[0]] if len(names) == 1 else None,
+                message=f"{why}: {', '.join(names[:NAMED])}{more}. "
+                f"{folders} used as share folder{'s' if len(names) > 1 else ''}.",
+                hint=hint,
+            )
 
 
 def source_overlay(place: Workspace | Path, environment: Mapping[str, str]) -> Overlay:
@@ -169,6 +186,7 @@ def open_overlay(
     """
     overlay = overlay_of(environment)
     sources: dict[str, Path] = {}
+    built: set[str] = set()
     for workspace in workspaces:
         if any((workspace.install / setup).is_file() for setup in SETUPS.values()):
             overlay = source_overlay(workspace, overlay.environment)
@@ -178,13 +196,28 @@ def open_overlay(
                 sources[package.name] = (
                     package.path if is_near else sources.get(package.name, package.path)
                 )
+                if _is_built(workspace, package.name):
+                    built.add(package.name)
     sources = {name: path for name, path in sources.items() if overlay.share(name) is None}
     if not sources:
         yield overlay
         return
     with make_scratch() as folder:
         variables = serve_sources(sources, folder, overlay.environment)
-        yield replace(overlay, environment=variables, sources=sources)
+        yield replace(
+            overlay,
+            environment=variables,
+            sources=sources,
+            unregistered=frozenset(built & sources.keys()),
+        )
+
+
+def _is_built(workspace: Workspace, package: str) -> bool:
+    """Whether colcon has built a package: it then writes what sources it, merged or not."""
+    return any(
+        (prefix / "share" / package / "package.sh").is_file()
+        for prefix in (workspace.install / package, workspace.install)
+    )
 
 
 def require_share(overlay: Overlay, workspace: Workspace | None, package: str) -> Path:
