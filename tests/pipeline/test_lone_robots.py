@@ -183,6 +183,9 @@ def test_a_part_may_be_in_a_folder_of_models(tmp_path: Path, uri: str, severity:
         ('<?xml version="1.0"?>\n<robot/>', "info"),
         ('<robot xmlns:xacro="http://www.ros.org/wiki/xacro">\n</robot>', "info"),
         ('<robot><material name="a"/></robot>', "error"),
+        ('<robot><!-- a --><material name="a"/><!-- b --></robot>', "error"),
+        # A search that tries what each comment may end at would take days.
+        (f"{'<!-- a license -->' * 60}<robot><material name='a'/></robot>", "error"),
     ],
 )
 def test_a_robot_may_be_empty_on_purpose(tmp_path: Path, text: str, severity: str) -> None:

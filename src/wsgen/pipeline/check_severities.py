@@ -331,9 +331,11 @@ def of_file_alone(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
             yield found
 
 
+# A comment ends where XML ends it: `.*?` would also match what is between two of them.
+_COMMENT = rb"<!--(?:[^-]|-(?!->))*-->"
 _EMPTY = lazy_pattern(
-    rb"(?:\s|<!--.*?-->|<\?.*?\?>)*<robot\b(?:(?!\sname)[^>])*(?:/>|>(?:\s|<!--.*?-->)*</robot\s*>)\s*",
-    re.DOTALL,
+    rb"(?:\s|%s|<\?[^>]*\?>)*<robot\b(?:(?!\sname)[^>])*(?:/>|>(?:\s|%s)*</robot\s*>)\s*"
+    % (_COMMENT, _COMMENT)
 )
 
 
