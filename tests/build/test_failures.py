@@ -708,8 +708,9 @@ def test_a_disk_too_full_to_say_so(tmp_path: Path, monkeypatch: pytest.MonkeyPat
         (
             "nav_msgs is used, but it is not among DEPENDENCIES in CMakeLists.txt.",
             "nav_msgs is used, but it is not among DEPENDENCIES in CMakeLists.txt.",
-            "Write a type such as float64",
+            "Add nav_msgs to them, and <depend>nav_msgs</depend>",
         ),
+        ("zzz is no type.", "zzz is no type.", "Write a type such as float64"),
     ],
 )
 def test_a_type_that_no_interface_has(text: str, message: str, hint: str, tmp_path: Path) -> None:

@@ -630,10 +630,18 @@ def _invalid_interface(failure: Failure) -> Iterator[Diagnostic]:
             message,
             file=Path(name),
             line=int(line),
-            hint=question
-            or "Write a type such as float64 or string, or PACKAGE/NAME of a message "
-            "of a package among DEPENDENCIES of rosidl_generate_interfaces().",
+            hint=question or _hint_for_type(message),
         )
+
+
+def _hint_for_type(message: str) -> str:
+    package, is_undeclared, _ = message.partition(" is used, but it is not among DEPENDENCIES")
+    if is_undeclared:
+        return f"Add {package} to them, and <depend>{package}</depend> to package.xml."
+    return (
+        "Write a type such as float64 or string, or PACKAGE/NAME of a message of a package among "
+        "DEPENDENCIES of rosidl_generate_interfaces()."
+    )
 
 
 PACKAGE_CAUSES = (
