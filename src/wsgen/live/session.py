@@ -489,8 +489,9 @@ def open_live(  # noqa: PLR0913  what is run, and how
         live_folder.mkdir()
         domain = stack.enter_context(take_domain())
         environment = _environment(selected.overlay.environment, domain.number, folder)
-        # What nodes print is in the journal, which does not grow without end.
-        errors = stack.enter_context((live_folder / ERRORS_FILE).open("wb")).fileno()
+        # What nodes print is in the journal, which does not grow without end. Two processes add to
+        # this file.
+        errors = stack.enter_context((live_folder / ERRORS_FILE).open("ab")).fileno()
         service = stack.enter_context(
             start_service(
                 live_folder, environment, errors=errors, held=(domain.lock,), adopts=False
