@@ -206,6 +206,18 @@ def test_packages_that_colcon_ignores_are_named(tmp_path: Path, marker: str, pla
     )
 
 
+@pytest.mark.parametrize("mark", ["install/.colcon_install_layout", "build/.built_by"])
+def test_what_colcon_has_made_is_not_what_it_ignores(tmp_path: Path, mark: str) -> None:
+    """It keeps itself from building it again by the same marker."""
+    place = (tmp_path / mark).parent
+    (place / "demo" / "share").mkdir(parents=True)
+    for file in (tmp_path / mark, place / "COLCON_IGNORE", place / "demo" / "share/package.xml"):
+        file.touch()
+    with pytest.raises(NotFoundError, match="has no ROS package") as found:
+        check(CheckRequest(paths=(tmp_path,)), environment={})
+    assert "ignores" not in f"{found.value.message}{found.value.hint}"
+
+
 def test_what_does_not_exist(tmp_path: Path) -> None:
     with pytest.raises(NotFoundError, match="does not exist"):
         run(tmp_path / "nothing")

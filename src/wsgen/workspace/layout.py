@@ -54,6 +54,8 @@ def _without_manifest(source: Path) -> Iterator[Path]:
 
 
 INSTALL_LAYOUT = ".colcon_install_layout"  # colcon writes it into an install space
+BUILT_BY = ".built_by"  # and this into a build space
+WRITTEN_BY_COLCON = (INSTALL_LAYOUT, BUILT_BY)
 IGNORE_MARKERS = frozenset({"COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE"})
 VIRTUAL_ENVIRONMENT = "pyvenv.cfg"  # that `python -m venv` and its like write
 CONDA_ENVIRONMENT = "conda-meta"  # a folder
@@ -394,7 +396,7 @@ def _is_marked(folder: Path) -> bool:
     """Whether colcon has built or installed here."""
     try:
         return (folder / "install" / INSTALL_LAYOUT).is_file() or (
-            folder / "build" / ".built_by"
+            folder / "build" / BUILT_BY
         ).read_text(encoding="utf-8").strip() == "colcon"
     except (OSError, ValueError):
         return False
@@ -428,16 +430,21 @@ def ignored_packages(workspace: Workspace) -> Iterator[tuple[Path, Path]]:
 
 
 def ignored_below(root: Path) -> Iterator[tuple[Path, Path]]:
-    """Yield the packages in a folder that colcon ignores, each with the marker file."""
+    """Yield the packages in a folder that colcon ignores, each with the marker file.
+
+    Those that it has built or installed itself are left out.
+    """
     for folder, names in crawl(root, with_ignored=True):
         if "package.xml" not in names:
             continue
-        for parent in (folder, *folder.parents):
-            for marker in IGNORE_MARKERS:
+        depth = len(folder.relative_to(root).parts)
+        around = (folder, *folder.parents)[: depth + 1]
+        if any((parent / name).exists() for parent in around for name in WRITTEN_BY_COLCON):
+            continue
+        for parent in around:
+            for marker in sorted(IGNORE_MARKERS):
                 if (parent / marker).exists():
                     yield folder, parent / marker
-            if parent == root:
-                break
 
 
 def ignored_package(workspace: Workspace, name: str) -> RequestError | None:
