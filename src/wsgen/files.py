@@ -160,11 +160,11 @@ def list_files(
 ) -> list[Path]:
     """The files below a folder whose names end like this, by path; not those of linked folders.
 
-    A folder in it that has one of the `markers` among its files is left out.
+    A folder in it that has one of the `markers`, files or folders, is left out.
     """
     found: list[Path] = []
     for place, folders, names in os.walk(folder):
-        if markers and place != str(folder) and not set(markers).isdisjoint(names):
+        if markers and place != str(folder) and not set(markers).isdisjoint((*folders, *names)):
             folders.clear()
             continue
         found += [

@@ -8,6 +8,7 @@ from build.building import PACKAGE_XML, write_package
 from wsgen.errors import NotFoundError, RequestError
 from wsgen.workspace.layout import (
     Workspace,
+    find_launch_files,
     find_packages,
     find_source_tree,
     find_workspace,
@@ -153,6 +154,14 @@ def test_the_packages_of_an_environment_of_python_are_not_of_the_workspace(
         (folder / marker).parent.mkdir(exist_ok=True)
         (folder / marker).touch()
     assert [package.name for package in find_packages(Workspace(root=root))] == ["demo"]
+    for folder in (root / "src" / "demo", root / "src" / "demo" / "env"):
+        (folder / marker).parent.mkdir(exist_ok=True, parents=True)
+        (folder / marker).touch()
+        (folder / "robot.launch.py").touch()
+    # A package that is one itself is still built, without what is in another one below it.
+    assert [package.name for package in find_packages(Workspace(root=root))] == ["demo"]
+    found = [file.parent.name for file in find_launch_files(root / "src" / "demo")]
+    assert found == ["launch", "demo"]
 
 
 def test_a_broken_manifest_is_reported_and_the_others_are_listed(root: Path) -> None:

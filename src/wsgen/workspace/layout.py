@@ -59,8 +59,8 @@ WRITTEN_BY_COLCON = (INSTALL_LAYOUT, BUILT_BY)
 IGNORE_MARKERS = frozenset({"COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE"})
 VIRTUAL_ENVIRONMENT = "pyvenv.cfg"  # that `python -m venv` and its like write
 CONDA_ENVIRONMENT = "conda-meta"  # a folder
-# In folders of no package around.
-BUILD_MARKERS = IGNORE_MARKERS | {INSTALL_LAYOUT, VIRTUAL_ENVIRONMENT}
+# In folders that are no part of a package around them.
+BUILD_MARKERS = IGNORE_MARKERS | {INSTALL_LAYOUT, VIRTUAL_ENVIRONMENT, CONDA_ENVIRONMENT}
 PYTHON_MARKERS = frozenset({"setup.py", "setup.cfg", "pyproject.toml"})
 # How `ros2 launch` recognizes launch files.
 LAUNCH_FILES = ("launch.py", "launch.xml", "launch.yaml", "launch.yml")  # ends of names
@@ -362,9 +362,10 @@ def is_python_environment(names: Collection[str]) -> bool:
     """Whether a folder with these files and folders is an environment of venv or conda.
 
     Such a folder in a workspace has the packages of wsgen's wheels, or all those of a ROS from
-    conda, which nobody wants to build. A workspace in an environment remains one.
+    conda, which nobody wants to build. A workspace or package in an environment remains one.
     """
-    return "src" not in names and (VIRTUAL_ENVIRONMENT in names or CONDA_ENVIRONMENT in names)
+    is_environment = VIRTUAL_ENVIRONMENT in names or CONDA_ENVIRONMENT in names
+    return is_environment and {"src", "package.xml"}.isdisjoint(names)
 
 
 def _refuse_surroundings(root: Path) -> None:
