@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 MANIFEST = "<package><name>my_robot</name>{}</package>"
 READ = "OpaqueFunction(function=lambda _: open(get_package_share_directory('{}') + '/a'))"
 INCLUDE = "IncludeLaunchDescription([FindPackageShare('{}'), '/launch/a.launch.py'])"
+XACRO = "Command(['xacro ', FindPackageShare('my_robot'), '/a.urdf'])"
 KNOWN = "ExecuteProcess(cmd=['known'])"
 
 
@@ -76,6 +77,38 @@ def test_undeclared_packages_are_one_warning(space: InstallSpace) -> None:
         f" <exec_depend>{name}</exec_depend>" for name in ("other", "rplidar_ros", "rviz2")
     )
     assert hint.endswith(f"package.xml:{lines}")
+
+
+@pytest.mark.parametrize(
+    ("before", "entity"),
+    [
+        ("import xacro", KNOWN),
+        ("from xacro import process_file", KNOWN),
+        ("from sensor_msgs.msg import Image; import xacro", KNOWN),
+        ("", f"ExecuteProcess(cmd=['echo', {XACRO}]), {KNOWN}"),
+    ],
+)
+def test_what_is_imported_or_run_must_be_declared(
+    space: InstallSpace, before: str, entity: str
+) -> None:
+    manifest = MANIFEST.format("<depend>sensor_msgs</depend>")
+    space.add("my_robot", {"package.xml": manifest, "a.urdf": "<robot name='a'/>"})
+    plan = space.play(entity, before=before)
+    found = [one for one in plan.diagnostics if one.code == "LCH045"]
+    assert [one.message for one in found] == [
+        "package.xml does not declare xacro, which the launch file uses."
+    ]
+
+
+def test_an_import_that_may_fail_need_not_be_declared(space: InstallSpace) -> None:
+    space.add("my_robot", {"package.xml": MANIFEST.format("")})
+    before = """
+        try:
+            import xacro
+        except ImportError:
+            xacro = None
+        """
+    assert_goes_on(space.play(KNOWN, before=before))
 
 
 @pytest.mark.parametrize(

@@ -26,11 +26,18 @@ if TYPE_CHECKING:
 
 def nodes_of(file: str | Path) -> Iterator[Any]:
     """The nodes of the syntax tree of a launch file; none of one that is not Python."""
+    tree = parsed(file)
+    if tree is not None:
+        yield from ast.walk(tree)
+
+
+def parsed(file: str | Path) -> ast.Module | None:
+    """The syntax tree of a launch file; None of one that is not Python."""
     try:
-        tree = parse_anew(Path(file).read_bytes())
+        tree: ast.Module = parse_anew(Path(file).read_bytes())
     except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
-        return
-    yield from ast.walk(tree)
+        return None
+    return tree
 
 
 def where_written(text: str, files: Iterable[str | Path]) -> tuple[str, int] | None:

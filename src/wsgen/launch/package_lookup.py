@@ -209,7 +209,24 @@ def lookups() -> tuple[Lookup, ...]:
     )
 
 
+def _note_imports(manifest: Path) -> None:
+    """Note the packages whose modules the launch files of a package import, as lookups."""
+    from ament_index_python.packages import get_packages_with_prefixes
+    from wsgen.launch.explain_missing import parsed
+    from wsgen.launch.imported_packages import certain_nodes, packages_of_launch_file
+
+    installed = get_packages_with_prefixes()
+    for file in RECORD.launch_files:
+        where = manifest_of(file)
+        tree = parsed(file) if where is not None and where.samefile(manifest) else None
+        if tree is not None:
+            nodes = certain_nodes(tree, [])
+            for package, line in packages_of_launch_file(Path(file), nodes, installed):
+                RECORD.lookups.setdefault(package, (file, line))
+
+
 def _report_undeclared(manifest: Path) -> None:
+    _note_imports(manifest)
     declared = {name for _, name in _dependencies(manifest)}
     found = {
         package: location

@@ -404,6 +404,7 @@ def run_command(words: Sequence[str], location: Location | None) -> CommandOutco
         return CommandOutcome("", stderr="the command line is empty", code=127)
     xacro = xacro_words(words)
     if xacro is not None and RECORD.run_xacro is not None:
+        RECORD.lookups.setdefault("xacro", location)
         outcome = RECORD.run_xacro(xacro)
         RECORD.note_unused_xacro_arguments(outcome.unused, location)
         return outcome

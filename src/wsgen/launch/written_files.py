@@ -49,6 +49,7 @@ def note(process: Process, location: Location | None, *, shell: bool) -> None:
             RECORD.note_unresolved(shlex.join(command), "a part of it is not known", location)
         if not all(":=" in word for word in unknown):
             continue
+        RECORD.lookups.setdefault("xacro", location)
         xacro = [word for word in xacro if word not in unknown]  # the defaults of the xacro file
         outcome = RECORD.run_xacro(xacro)
         RECORD.note_unused_xacro_arguments(outcome.unused, location)

@@ -13,10 +13,16 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from wsgen.files import irregular_kind, real_path
+from wsgen.launch.imported_packages import (
+    MESSAGES,
+    certain_nodes,
+    name_of,
+    packages_of_imports,
+    packages_of_launch_file,
+)
 from wsgen.markup import read_text, without_comments
 from wsgen.model.gazebo_plugins import OF_CLASSIC
 from wsgen.pythontree import parse
-from wsgen.ros_names import released_packages
 from wsgen.values import NamedTuple, lazy_pattern
 
 if TYPE_CHECKING:
@@ -135,17 +141,9 @@ def _uses_of_python(
     if is_launch:
         for package, line in reader.looked_up():
             yield PackageUse(package, file, line, LAUNCH)
-    for module, line in reader.imported():
-        owner = package_of_module(module, workspace)
-        if owner is None or (is_launch and owner in OF_LAUNCH) or _is_beside(module, file):
-            continue
-        yield PackageUse(owner, file, line, LAUNCH if is_launch else NODE)
-
-
-def _is_beside(module: str, file: Path) -> bool:
-    """Whether a module is one of the package itself."""
-    place = file.parent / module
-    return module in file.parts[:-1] or place.is_dir() or place.with_suffix(".py").is_file()
+    read = packages_of_launch_file if is_launch else packages_of_imports
+    for package, line in read(file, reader.nodes, workspace):
+        yield PackageUse(package, file, line, LAUNCH if is_launch else NODE)
 
 
 def _is_in(file: Path, places: Collection[str]) -> bool:
@@ -173,44 +171,6 @@ _STARTERS = frozenset(
     )
 )
 _XACRO = lazy_pattern(r"xacro(?:\s|$)")
-# Modules that ros2launch brings: who reads a launch file has them.
-OF_LAUNCH = frozenset(
-    (
-        "ament_index_python",
-        "launch",
-        "launch_ros",
-        "launch_xml",
-        "launch_yaml",
-        "rclpy",
-        "osrf_pycommon",
-    )
-)
-_UNKNOWN_TEST = lazy_pattern(r"distro|environ|getenv|version|exists|isfile|isdir", re.IGNORECASE)
-
-# Python packages of ROS whose modules have the name of the package; those of messages come by
-# their endings, as many other names are those of modules on PyPI, too.
-MODULES = frozenset(
-    (
-        *("ament_index_python", "controller_manager", "cv_bridge", "diagnostic_updater"),
-        *("image_geometry", "launch", "launch_param_builder", "launch_ros", "launch_testing"),
-        *("launch_testing_ros", "laser_geometry", "message_filters", "moveit_configs_utils"),
-        *("nav2_common", "nav2_simple_commander", "py_trees_ros", "python_qt_binding"),
-        *("qt_gui", "rclpy", "rosbag2_py", "rosidl_runtime_py", "rqt_gui", "rqt_gui_py"),
-        *("sensor_msgs_py", "tf2_py", "tf2_ros", "tf_transformations", "xacro"),
-    )
-)
-OTHER_MODULES = {"moveit": "moveit_py", "urdf_parser_py": "urdfdom_py"}
-MESSAGES = ("_msgs", "_interfaces", "_srvs", "_msg", "_actions")
-
-
-def package_of_module(module: str, workspace: Collection[str]) -> str | None:
-    """The package that surely has a Python module; None for modules of Python, PyPI and others."""
-    if module in workspace and module not in OTHER_MODULES:
-        return module
-    package = OTHER_MODULES.get(module, module)
-    if module in MODULES or module in OTHER_MODULES or module.endswith(MESSAGES):
-        return package if package in released_packages() else None
-    return None
 
 
 class _PythonReader:
@@ -218,7 +178,7 @@ class _PythonReader:
 
     def __init__(self, tree: ast.Module) -> None:
         self.tree = tree
-        self.nodes = _certain(tree, [])
+        self.nodes = certain_nodes(tree, [])
 
     @cached_property
     def constants(self) -> dict[str, str]:
@@ -230,7 +190,7 @@ class _PythonReader:
         for node in self.nodes:
             if not isinstance(node, ast.Call):
                 continue
-            name = _name(node.func)
+            name = name_of(node.func)
             if name in _LOOK_UPS or name in _STARTERS:
                 for value in _packages_of(node, name):
                     package = self._text(value)
@@ -250,46 +210,6 @@ class _PythonReader:
         if isinstance(value, ast.Constant) and isinstance(value.value, str):
             return value.value
         return None
-
-    def imported(self) -> Iterator[tuple[str, int]]:
-        """The names of top-level modules."""
-        for node in self.nodes:
-            if isinstance(node, ast.Import):
-                for alias in node.names:
-                    yield alias.name.partition(".")[0], node.lineno
-            elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
-                yield node.module.partition(".")[0], node.lineno
-
-
-def _certain(tree: ast.AST, found: list[ast.AST]) -> list[ast.AST]:
-    """Add calls and imports in the order of the text, but what is tried, or under a condition.
-
-    Most of what a check costs Python goes through here: no generators, nothing for names and texts.
-    """
-    for name in tree._fields:
-        value = getattr(tree, name, None)
-        for child in value if value.__class__ is list else (value,):
-            kind = child.__class__
-            if kind in _LEAVES or not isinstance(child, ast.AST) or _is_uncertain(child):
-                continue
-            if kind in _WANTED:
-                found.append(child)
-            _certain(child, found)
-    return found
-
-
-_WANTED = frozenset((ast.Call, ast.Import, ast.ImportFrom))
-_LEAVES = frozenset((ast.Constant, ast.Load, ast.Name, ast.Store, ast.alias, str, type(None)))
-
-
-def _is_uncertain(node: ast.AST) -> bool:
-    """Whether what is in it may fail, or depends on where it runs."""
-    if isinstance(node, ast.Try):
-        return bool(node.handlers)
-    return isinstance(node, ast.If) and (
-        _name(node.test) == "TYPE_CHECKING"
-        or _UNKNOWN_TEST.search(ast.unparse(node.test)) is not None
-    )
 
 
 def _constants(tree: ast.Module) -> dict[str, str]:
@@ -313,12 +233,6 @@ def _constants(tree: ast.Module) -> dict[str, str]:
         for name, texts in values.items()
         if len(texts) == 1 and (text := next(iter(texts))) is not None
     }
-
-
-def _name(node: ast.AST) -> str:
-    if isinstance(node, ast.Attribute):
-        return node.attr
-    return node.id if isinstance(node, ast.Name) else ""
 
 
 def _packages_of(call: ast.Call, name: str) -> Iterator[ast.expr]:
