@@ -233,6 +233,40 @@ def test_a_workspace_that_is_not_built(tmp_path: Path, capsys: pytest.CaptureFix
     assert (code, "Not built: rover." in out) == (0, True)
 
 
+def test_a_package_that_colcon_ignores(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    rover, arm = tmp_path / "src" / "rover", tmp_path / "src" / "unused" / "arm_of_mine"
+    for folder in (rover, arm):
+        folder.mkdir(parents=True)
+        (folder / "package.xml").write_text(
+            f"<package><name>{folder.name}</name><export><build_type>ament_cmake</build_type>"
+            "</export></package>"
+        )
+    (rover / "launch").mkdir()
+    (rover / "launch" / "r.launch.py").write_text(
+        "from ament_index_python.packages import get_package_share_directory\n"
+        "from launch import LaunchDescription\n"
+        "SHARE = get_package_share_directory('arm_of_mine')\n"
+        "generate_launch_description = lambda: LaunchDescription()\n"
+    )
+    marker = arm.parent / "COLCON_IGNORE"
+    marker.touch()
+    words = ("-w", str(tmp_path), "rover", "r.launch.py", "--format", "json")
+    reported = json.loads(launch(capsys, *words)[1])["diagnostics"]
+    wsgen.cli.run(["check", str(tmp_path), "--format", "json"])
+    reported += json.loads(capsys.readouterr().out)["diagnostics"]
+    found = [one for one in reported if one["code"] == "LCH007"]
+    assert len(found) == 2
+    for one in found:
+        assert one["message"] == (
+            f"The package 'arm_of_mine' is not found: colcon ignores the package arm_of_mine in "
+            f"{arm}, because {marker} exists."
+        )
+        assert one["hint"] == f"Remove {marker} to build the package."
+    marker.unlink()
+    reported = json.loads(launch(capsys, *words)[1])["diagnostics"]
+    assert "LCH007" not in [one["code"] for one in reported]
+
+
 def test_what_is_wrong_is_named_in_the_source(
     built: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -112,7 +112,7 @@ def lay_out(
     overlay = overlay_of({**variables, INSTALLED: str(folder)})
     root = targets.workspaces[0].root if targets.workspaces else Path.cwd()
     return InstalledAsBuilt(
-        overlay=replace(overlay, install=folder),
+        overlay=replace(overlay, install=folder, workspaces=tuple(targets.workspaces)),
         folder=folder,
         shown_as=root / "install",
         sources=packages,

@@ -17,6 +17,7 @@ from wsgen.pipeline.clock import Clock
 from wsgen.pipeline.launch_file_lookup import no_such_launch_file
 from wsgen.pipeline.requests import SelectedLaunchFile
 from wsgen.pipeline.sources import name_sources
+from wsgen.pipeline.started import name_markers
 from wsgen.suggestions import MOST_LISTED
 from wsgen.workspace.layout import (
     Workspace,
@@ -88,6 +89,7 @@ def plan_launch(  # noqa: PLR0913  all but two have defaults
             with_origins=with_origins,
         )
         step.succeeded = not has_errors(plan.diagnostics)
+    plan = name_markers(plan, selected.overlay)
     plan = replace(plan, diagnostics=(*plan.diagnostics, *selected.overlay.not_built()))
     if selected.workspace is None:
         return plan

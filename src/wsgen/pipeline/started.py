@@ -14,6 +14,7 @@ from wsgen.launch.descriptions import (
     read_published,
 )
 from wsgen.launch.evaluate import evaluate
+from wsgen.launch.explain_missing import PACKAGE_NOT_FOUND
 from wsgen.launch.simulators import find_simulator
 from wsgen.pipeline.gazebo_models import find_robots
 from wsgen.values import NamedTuple
@@ -72,7 +73,22 @@ def start(
         answers=request.answers,
         run=run,
     )
-    return read_plan(plan, overlay, time.perf_counter() - before)
+    return read_plan(name_markers(plan, overlay), overlay, time.perf_counter() - before)
+
+
+def name_markers(plan: LaunchPlan, overlay: Overlay) -> LaunchPlan:
+    """The plan that says of packages that are not found if colcon ignores them, and why."""
+
+    def explained(found: Diagnostic) -> Diagnostic:
+        is_lookup = found.code == PACKAGE_NOT_FOUND.code and found.element is not None
+        ignored = overlay.ignored(found.element or "") if is_lookup else None
+        if ignored is None:
+            return found
+        return replace(
+            found, message=f"{found.message.rstrip('.')}: {ignored.message}", hint=ignored.hint
+        )
+
+    return replace(plan, diagnostics=tuple(map(explained, plan.diagnostics)))
 
 
 def read_plan(plan: LaunchPlan, overlay: Overlay, seconds: float) -> Started:

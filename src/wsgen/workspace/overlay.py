@@ -55,6 +55,12 @@ class Overlay:
     sources: Mapping[str, Path] = field(default_factory=dict)
     # Those of `sources` that colcon has built; the ament index does not have them.
     unregistered: frozenset[str] = frozenset()
+    workspaces: tuple[Workspace, ...] = ()  # that it is of
+
+    def ignored(self, package: str) -> RequestError | None:
+        """The error for a package of the workspaces that colcon ignores; None where it is none."""
+        found = (ignored_package(workspace, package) for workspace in self.workspaces)
+        return next(filter(None, found), None)
 
     def share(self, package: str) -> Path | None:
         """Find the package's share folder as ament_index does; None if it does not exist.
@@ -185,6 +191,7 @@ def open_overlay(
         NotReadableError: a setup file fails.
     """
     overlay = overlay_of(environment)
+    places = tuple(workspaces)
     sources: dict[str, Path] = {}
     built: set[str] = set()
     for workspace in workspaces:
@@ -200,7 +207,7 @@ def open_overlay(
                     built.add(package.name)
     sources = {name: path for name, path in sources.items() if overlay.share(name) is None}
     if not sources:
-        yield overlay
+        yield replace(overlay, workspaces=places)
         return
     with make_scratch() as folder:
         variables = serve_sources(sources, folder, overlay.environment)
@@ -209,6 +216,7 @@ def open_overlay(
             environment=variables,
             sources=sources,
             unregistered=frozenset(built & sources.keys()),
+            workspaces=places,
         )
 
 
