@@ -129,8 +129,13 @@ def test_nobody_who_listens_costs_nothing() -> None:
     assert not ros.published("/tf")
 
 
-@pytest.mark.parametrize("number", [math.nan, math.inf])
-def test_commands_that_no_engine_can_compute_with_are_named_and_ignored(number: float) -> None:
+@pytest.mark.parametrize(
+    ("number", "named"),
+    [(math.nan, "NaN"), (math.inf, "NaN"), (1e5, "more than 10000 m/s"), (-1e300, "more than")],
+)
+def test_commands_that_no_engine_can_compute_with_are_named_and_ignored(
+    number: float, named: str
+) -> None:
     simulation, ros = spawned(
         plugin("libgazebo_ros_diff_drive.so", CLASSIC), plugin("libgazebo_ros_planar_move.so")
     )
@@ -141,7 +146,36 @@ def test_commands_that_no_engine_can_compute_with_are_named_and_ignored(number: 
     assert simulation.engine.motors["rover"]["left"].speed == pytest.approx(5.0)
     (warning,) = ros.warnings
     assert "/cmd_vel" in warning
-    assert "NaN" in warning
+    assert named in warning
+
+
+def test_a_speed_that_no_joint_can_have_is_named_and_stops_it() -> None:
+    """It may come from a twist that is possible, and from wheels that are small."""
+    content = (
+        f"{WHEELS}<wheel_separation>0.4</wheel_separation><wheel_diameter>0.02</wheel_diameter>"
+    )
+    simulation, ros = spawned(plugin("libgazebo_ros_diff_drive.so", content))
+    ros.send("/cmd_vel", twist(1e3))
+    simulation.advance(0.1)
+    assert simulation.engine.motors["rover"]["left"].speed == 0.0
+    assert len(ros.warnings) == 2  # one for each wheel
+    assert "the joint `left` is told a speed of more than 10000 rad/s or m/s" in ros.warnings[0]
+    ros.send("/cmd_vel", twist(0.1))
+    simulation.advance(0.2)
+    assert simulation.engine.motors["rover"]["left"].speed == pytest.approx(10.0)
+
+
+@pytest.mark.parametrize(("effort", "warnings"), [(1e12, 1), (math.nan, 0)])
+def test_an_effort_that_no_joint_can_have_is_none(effort: float, warnings: int) -> None:
+    """Controllers compute not-a-number of robots that have exploded: these are named by then."""
+    simulation, ros = spawned()
+    robot = simulation.host.robots["rover"]
+    robot.set_efforts({"left": effort, "right": 3.0})
+    assert simulation.engine.efforts["rover"] == {"left": 0.0, "right": 3.0}
+    assert len(ros.warnings) == warnings
+    assert all(
+        "`left` is told an effort of more than 1e+09 N m or N" in one for one in ros.warnings
+    )
 
 
 def test_a_motor_is_set_when_it_changes_alone() -> None:

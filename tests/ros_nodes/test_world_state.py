@@ -122,8 +122,10 @@ def test_states_are_read_set_and_published() -> None:
     assert ros.services["/gazebo/set_entity_state"](request, message("Done")).success
     assert engine.velocities["rover"][0] == pytest.approx((0.0, 0.4, 0.0))
     assert simulation.host.robots["rover"].state().xyz[2] == pytest.approx(0.7)
-    state.twist.linear.y = math.nan
-    assert not ros.services["/gazebo/set_entity_state"](request, message("Done")).success
+    for number, named in ((math.nan, "not finite"), (1e9, "more than 10000 m/s")):
+        state.twist.linear.y = number
+        assert not ros.services["/gazebo/set_entity_state"](request, message("Done")).success
+        assert named in ros.warnings[-1]
     simulation.advance(0.1)
     assert ros.published("/gazebo/model_states")[-1].name == ["rover"]
     assert "rover::left_wheel" in ros.published("/gazebo/link_states")[-1].name

@@ -27,6 +27,11 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
+# Beyond these, robots fly apart in any engine: at such a speed, a joint makes more than a whole
+# turn in a step of 1 ms.
+FASTEST = 1e4  # rad/s or m/s
+STRONGEST = 1e9  # N m or N
+
 UPDATE = 0.01  # s, simulated, between two updates of a plugin that says nothing else
 
 
@@ -293,7 +298,7 @@ class RobotHandle:
     def drive(self, motors: Mapping[str, Motor]) -> None:
         """Put motors into joints: speeds that they keep, as far as they are strong enough."""
         new = {
-            name: _sane(motor)
+            name: self._sane(name, motor)
             for name, motor in motors.items()
             if self._motors.get(name) != motor  # setting one costs as much as a step
         }
@@ -316,8 +321,30 @@ class RobotHandle:
         """Have efforts (N m or N) act on joints, which lose their motors, until the next call."""
         for name in efforts:
             self._motors.pop(name, None)
+        if not all(-STRONGEST <= effort <= STRONGEST for effort in efforts.values()):
+            efforts = {
+                name: self._within(name, effort, STRONGEST, "an effort of more than {:g} N m or N")
+                for name, effort in efforts.items()
+            }
         self._efforts |= efforts
         self._engine.set_efforts(self.entity, efforts)
+
+    def _sane(self, name: str, motor: Motor) -> Motor:
+        """A motor without a speed that an engine cannot compute with."""
+        told = "a speed of more than {:g} rad/s or m/s"
+        speed = self._within(name, motor.speed, FASTEST, told)
+        return motor if speed == motor.speed else motor._replace(speed=speed)
+
+    def _within(self, joint: str, command: float, most: float, told: str) -> float:
+        """A command for a joint; 0 for what is too much for an engine, which is told, or NaN."""
+        if abs(command) <= most:
+            return command
+        if not math.isnan(command):
+            self._host.warn(
+                f"`{self.entity}`: the joint `{joint}` is told {told.format(most)}, which no "
+                "engine can follow: it gets 0. Send smaller commands."
+            )
+        return 0.0
 
     def set_joint_positions(self, positions: Mapping[str, float]) -> None:
         """Put joints there (rad or m), at rest."""
@@ -342,11 +369,6 @@ class RobotHandle:
         Starts and ends have the shape (n, 3), m. A ray does not hit what it begins in.
         """
         return self._engine.cast_rays(starts, ends)
-
-
-def _sane(motor: Motor) -> Motor:
-    """A motor without speeds that an engine cannot compute with."""
-    return motor if math.isfinite(motor.speed) else motor._replace(speed=0.0)
 
 
 class Plugin:

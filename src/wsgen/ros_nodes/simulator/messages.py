@@ -11,6 +11,7 @@ from wsgen.model.transform import (
     rotation_of_quaternion,
     rpy_of_rotation,
 )
+from wsgen.ros_nodes.simulator.host import FASTEST
 
 if TYPE_CHECKING:
     from wsgen.model.transform import Vector
@@ -48,6 +49,7 @@ def set_twist(twist: Any, linear: Vector, angular: Vector) -> None:
 
 
 NOT_FINITE = "a state that is not finite (NaN or infinity) is ignored. Send finite numbers."
+TOO_FAST = f"a speed of more than {FASTEST:g} m/s or rad/s is ignored. Send a smaller one."
 
 
 def pose_of(message: Any) -> Pose | None:
@@ -98,14 +100,24 @@ def in_heading(yaw: float, linear: Vector) -> tuple[float, float]:
     return cos * linear[0] + sin * linear[1], cos * linear[1] - sin * linear[0]
 
 
-def is_finite_twist(host: Host, message: Any, topic: str) -> bool:
+def can_follow_twist(host: Host, message: Any, topic: str) -> bool:
     """Whether an engine can compute with a `geometry_msgs/Twist`; if not, it is named."""
     linear, angular = message.linear, message.angular
-    total = linear.x + linear.y + linear.z + angular.x + angular.y + angular.z
-    if math.isfinite(total):
+    parts = (linear.x, linear.y, linear.z), (angular.x, angular.y, angular.z)
+    if can_follow(*parts):
         return True
+    is_finite = all(math.isfinite(part) for vector in parts for part in vector)
+    reason = (
+        f"of more than {FASTEST:g} m/s or rad/s, which no engine can follow"
+        if is_finite
+        else "that is not a finite number (NaN or infinity)"
+    )
     host.warn(
-        f"A message on {topic} has a velocity that is not a finite number (NaN or infinity). It "
-        "and all others like it are ignored."
+        f"A message on {topic} has a velocity {reason}. It and all others like it are ignored."
     )
     return False
+
+
+def can_follow(linear: Vector, angular: Vector) -> bool:
+    """Whether an engine can compute with velocities (m/s, rad/s): they are finite, and not huge."""
+    return math.hypot(*linear) <= FASTEST and math.hypot(*angular) <= FASTEST

@@ -31,7 +31,15 @@ from wsgen.model.transform import (
 )
 from wsgen.ros_nodes.simulator.elements import number
 from wsgen.ros_nodes.simulator.host import Plugin
-from wsgen.ros_nodes.simulator.messages import NOT_FINITE, move, pose_of, set_pose, set_twist
+from wsgen.ros_nodes.simulator.messages import (
+    NOT_FINITE,
+    TOO_FAST,
+    can_follow,
+    move,
+    pose_of,
+    set_pose,
+    set_twist,
+)
 from wsgen.ros_nodes.simulator.simulation import RefusedError
 from wsgen.simulation.live_scene import NewEntity
 
@@ -201,6 +209,10 @@ class WorldState(Plugin):
         angular = (state.twist.angular.x, state.twist.angular.y, state.twist.angular.z)
         if pose is None or not all(map(math.isfinite, (*linear, *angular))):
             self._host.warn(f"SetEntityState: {NOT_FINITE}")
+            response.success = False
+            return response
+        if not can_follow(linear, angular):
+            self._host.warn(f"SetEntityState: {TOO_FAST}")
             response.success = False
             return response
         if frame is not None:

@@ -21,8 +21,8 @@ from wsgen.model.transform import compose, invert
 from wsgen.ros_nodes.simulator.elements import boolean, number, vector
 from wsgen.ros_nodes.simulator.host import CannotWorkError, Plugin
 from wsgen.ros_nodes.simulator.messages import (
+    can_follow_twist,
     in_heading,
-    is_finite_twist,
     planar_covariance,
     set_pose,
     set_transform,
@@ -197,7 +197,7 @@ class GzAckermann(Plugin):
         self._updated = self._host.now
 
     def _take(self, message: Any) -> None:
-        if is_finite_twist(self._host, message, self._topic):
+        if can_follow_twist(self._host, message, self._topic):
             self._wanted = message.linear.x, message.angular.z
 
     def _take_angle(self, angle: float) -> None:
@@ -375,7 +375,7 @@ class ClassicAckermann(Plugin):
             raise CannotWorkError("its front wheels are where its rear wheels are.")
 
     def _take(self, message: Any) -> None:
-        if is_finite_twist(self._host, message, self._node.resolve_topic_name("cmd_vel")):
+        if can_follow_twist(self._host, message, self._node.resolve_topic_name("cmd_vel")):
             self._linear, self._angle = message.linear.x, message.angular.z
 
     def update(self) -> None:

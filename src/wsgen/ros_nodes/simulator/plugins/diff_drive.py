@@ -18,8 +18,8 @@ from wsgen.model.transform import compose, invert
 from wsgen.ros_nodes.simulator.elements import boolean, number, numbers
 from wsgen.ros_nodes.simulator.host import CannotWorkError, Plugin
 from wsgen.ros_nodes.simulator.messages import (
+    can_follow_twist,
     in_heading,
-    is_finite_twist,
     of_yaw,
     planar_covariance,
     set_pose,
@@ -105,7 +105,7 @@ class ClassicDiffDrive(Plugin):
         return message
 
     def _command(self, message: Any) -> None:
-        if is_finite_twist(self._host, message, self._node.resolve_topic_name("cmd_vel")):
+        if can_follow_twist(self._host, message, self._node.resolve_topic_name("cmd_vel")):
             self._linear, self._angular = message.linear.x, message.angular.z
 
     def update(self) -> None:
@@ -255,7 +255,7 @@ class GzDiffDrive(Plugin):
         self._updated = self._host.now
 
     def _command(self, message: Any) -> None:
-        if self._is_enabled and is_finite_twist(self._host, message, self._topic):
+        if self._is_enabled and can_follow_twist(self._host, message, self._topic):
             self._wanted = message.linear.x, message.angular.z
 
     def _enable(self, message: Any) -> None:

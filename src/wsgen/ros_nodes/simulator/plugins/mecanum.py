@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from geometry_msgs.msg import Twist
 
 from wsgen.ros_nodes.simulator.host import Plugin
-from wsgen.ros_nodes.simulator.messages import is_finite_twist
+from wsgen.ros_nodes.simulator.messages import can_follow_twist
 from wsgen.ros_nodes.simulator.plugins.gz_drive import (
     DrivePublisher,
     driven_joints,
@@ -133,7 +133,7 @@ class GzMecanum(Plugin):
         self._updated = self._host.now
 
     def _take(self, message: Any) -> None:
-        if is_finite_twist(self._host, message, self._topic):
+        if can_follow_twist(self._host, message, self._topic):
             self._wanted = message.linear.x, message.linear.y, message.angular.z
 
     def update(self) -> None:

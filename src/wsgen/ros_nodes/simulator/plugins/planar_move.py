@@ -17,8 +17,8 @@ from wsgen.model.transform import rotate, rotation_of_quaternion
 from wsgen.ros_nodes.simulator.elements import boolean, number, vector
 from wsgen.ros_nodes.simulator.host import Plugin
 from wsgen.ros_nodes.simulator.messages import (
+    can_follow_twist,
     in_heading,
-    is_finite_twist,
     planar_covariance,
     set_pose,
     set_transform,
@@ -68,7 +68,7 @@ class PlanarMove(Plugin):
         self._transforms = TFMessage(transforms=[TransformStamped(child_frame_id=base)])
 
     def _take(self, message: Any) -> None:
-        if is_finite_twist(self._host, message, self._node.resolve_topic_name("cmd_vel")):
+        if can_follow_twist(self._host, message, self._node.resolve_topic_name("cmd_vel")):
             self._command = message.linear.x, message.linear.y, message.angular.z
 
     def update(self) -> None:
@@ -131,7 +131,7 @@ class VelocityControl(Plugin):
             )
 
     def _take(self, message: Any) -> None:
-        if is_finite_twist(self._host, message, self._topic):
+        if can_follow_twist(self._host, message, self._topic):
             linear, angular = message.linear, message.angular
             self._linear = linear.x, linear.y, linear.z
             self._angular = angular.x, angular.y, angular.z
