@@ -138,12 +138,36 @@ def test_a_node_that_dies_for_a_module_gets_one_hint(launch: Callable[..., Launc
                     import traceback
                     traceback.print_exc()
             ''', name='lives'),
+            python('''
+                import sys, traceback
+                try:
+                    import optional_not_there
+                except ImportError:
+                    traceback.print_exc()
+                try:
+                    raise TypeError(
+                        'only 0-dimensional arrays can be converted to Python scalars'
+                    )
+                except TypeError:
+                    traceback.print_exc()
+                for _ in range(20):
+                    print('it goes on', file=sys.stderr)
+                sys.exit(3)
+            ''', name='dies_later'),
+            python('''
+                try:
+                    import serial_not_here
+                except ImportError as error:
+                    raise RuntimeError('no driver') from error
+            ''', name='says_more'),
         ])
         """
     )
     run.wait()
-    (hint,) = [line for line in run.lines if "pip install" in line]
-    assert hint == (
-        "[ERROR] [one-1]: the Python module serial_not_there is missing: "
-        f"{sys.executable} -m pip install serial_not_there"
-    )
+    hints = [line for line in run.lines if "pip install" in line]
+    assert sorted(hints) == [
+        f"[ERROR] [{name}]: the Python module {module} is missing: "
+        f"{sys.executable} -m pip install {module}"
+        for name, module in (("one-1", "serial_not_there"), ("says_more-4", "serial_not_here"))
+    ]
+    assert "correct the line, or " not in run.output  # that error was handled, too

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from wsgen.live.failures import FailedProgram, read_failures
-from wsgen.live.tracebacks import CHAINED, MOST_SECONDS_AFTER, Frames, tell_of_source
+from wsgen.live.tracebacks import CHAINED, MOST_SECONDS_AFTER, LastTraceback, tell_of_source
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -41,7 +41,7 @@ return LaunchDescription([
 
 
 def test_frames_are_those_of_tracebacks() -> None:
-    frames = Frames()
+    frames = LastTraceback()
     frames.take(b'Traceback:\n  File "/a/b.py", line 3, in go\n    go()\nKeyError: 1\n')
     frames.take(b'  File "/a/c d.py", line 12\r\n    x = = 1\nSyntaxError: invalid syntax\n')
     frames.take(b'[INFO]   File "/a/e.py", line 3\n')
@@ -74,16 +74,17 @@ CAUSE, OTHER = (
 def test_frames_are_those_of_what_has_ended_the_program(
     printed: list[bytes], lines: list[int]
 ) -> None:
-    frames = Frames()
+    frames = LastTraceback()
     for one in printed:
         frames.take(one)
     assert [line for _, line in frames.innermost_first()] == lines
+    assert (b"KeyError" in frames.said()) == bool(lines)
 
 
 def test_a_program_that_runs_on_has_handled_its_exception(monkeypatch: pytest.MonkeyPatch) -> None:
     now = 100.0
     monkeypatch.setattr("wsgen.live.tracebacks.time.monotonic", lambda: now)
-    frames = Frames()
+    frames = LastTraceback()
     frames.take(CAUSE)
     now += MOST_SECONDS_AFTER
     assert list(frames.innermost_first())

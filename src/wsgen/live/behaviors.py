@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from wsgen.errors import RequestError, SessionDiedError
 from wsgen.live.prepare import RunRequest
 from wsgen.live.session import BrokenLaunchError, open_live
-from wsgen.live.tracebacks import Frames, find_source
+from wsgen.live.tracebacks import LastTraceback, find_source
 from wsgen.model.behavior import LiveMeasurement
 from wsgen.model.time_series import TimeSeries
 from wsgen.model.transform import rotation_of_quaternion
@@ -126,7 +126,7 @@ def _cause(hint: str, shares: Mapping[Path, Path]) -> str:
     lines = [line.strip() for line in hint.splitlines() if line.strip()]
     if not lines or not any(line.startswith("Traceback") for line in lines):
         return ""
-    printed = Frames()
+    printed = LastTraceback()
     printed.take(hint.encode())
     frames = tuple(printed.innermost_first())
     source = find_source(frames, shares)

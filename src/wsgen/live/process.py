@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.errors import RequestError
 from wsgen.live.journal import OTHER
 from wsgen.live.missing_modules import missing_module, missing_name, newer_numpy
-from wsgen.live.tracebacks import Frames
+from wsgen.live.tracebacks import LastTraceback
 
 if TYPE_CHECKING:
     import subprocess
@@ -142,10 +142,7 @@ class Output:
         self._to = wanted["both"] | wanted[own]
         self._files = [f"{form.name}-{own}.log"] if "own_log" in wanted[own] else []
         self._files += [f"{form.name}.log"] if "own_log" in wanted["both"] else []
-        self.missing_module: str | None = None  # whose absence has ended a Python program
-        self.missing_name: str | None = None  # what to say of a message that a package lacks
-        self.newer_numpy: str | None = None  # the release whose change has ended one
-        self.frames = Frames()
+        self._traceback = LastTraceback()
         self.cached: deque[bytes] = deque()
         self._cached_size = 0
 
@@ -156,11 +153,7 @@ class Output:
             self._cached_size += len(data)
         *lines, self._rest = (self._rest + data).split(b"\n")
         if self.stream == STDERR:
-            text = b"\n".join(lines)
-            self.missing_module = missing_module(text) or self.missing_module
-            self.missing_name = missing_name(text) or self.missing_name
-            self.newer_numpy = newer_numpy(text) or self.newer_numpy
-            self.frames.take(text)
+            self._traceback.take(b"\n".join(lines))
         while len(self._rest) > LONGEST_LINE:
             lines.append(self._rest[:LONGEST_LINE])
             self._rest = self._rest[LONGEST_LINE:]
@@ -179,6 +172,16 @@ class Output:
         if self._rest:
             self._write([self._rest])
             self._rest = b""
+
+    def causes(self) -> Causes:
+        """Why the process has ended, by its last traceback; asked when it has."""
+        said = self._traceback.said()
+        return Causes(
+            missing_module=missing_module(said),
+            missing_name=missing_name(said),
+            newer_numpy=newer_numpy(said),
+            frames=tuple(self._traceback.innermost_first()),
+        )
 
     def text(self) -> str:
         """What was printed, where it is kept."""
@@ -293,6 +296,11 @@ class RunningProcess:
             while left > 0 and (data := self.read(descriptor)):
                 left -= len(data)
                 take(descriptor, data)
+
+    def causes(self) -> Causes:
+        """Why it has ended, by what it has printed; asked before its streams are closed."""
+        (found,) = (one.causes() for one in self.outputs.values() if one.stream == STDERR)
+        return found
 
     def send_signal(self, number: int) -> None:
         """Send a signal to the process and to what it has started."""

@@ -28,7 +28,6 @@ from wsgen.live.journal import JournalWriter
 from wsgen.live.process import (
     PRINTED_A_SECOND,
     STDOUT,
-    Causes,
     Output,
     RunningProcess,
     signal_number,
@@ -533,13 +532,7 @@ class Service:
             self._take_end(process, code)
 
     def _take_end(self, process: RunningProcess, code: int) -> None:
-        outputs = tuple(process.outputs.values())
-        causes = Causes(
-            missing_module=_first(one.missing_module for one in outputs),
-            missing_name=_first(one.missing_name for one in outputs),
-            newer_numpy=_first(one.newer_numpy for one in outputs),
-            frames=tuple(frame for one in outputs for frame in one.frames.innermost_first()),
-        )
+        causes = process.causes()
         for descriptor in process.outputs:
             self._paused.pop(descriptor, None)
             with suppress(KeyError):
@@ -681,7 +674,3 @@ class Service:
         if not (request.awaits_simulator or request.joined or self._has_simulator):
             return time.monotonic()
         return self._simulated_time.now()
-
-
-def _first(found: Iterable[str | None]) -> str | None:
-    return next(filter(None, found), None)

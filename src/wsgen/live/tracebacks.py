@@ -1,4 +1,4 @@
-"""The source of what has ended a Python node: its traceback names the installed file."""
+"""What has ended a Python node: its traceback names the error, and the installed file."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ CHAINED = (
     b"The above exception was the direct cause of the following exception:",
 )
 MOST_FRAMES = 50  # that are kept, of the last traceback
+MOST_LINES = 50  # that are kept, of what it says
 # A program that has printed more after its traceback, or has run on for longer, has handled it.
 # One that is ended by it may print some more: a message of several lines, what DDS says at its end.
 MOST_LINES_AFTER = 10
@@ -30,14 +31,15 @@ MOST_SECONDS_AFTER = 10.0
 Frame = tuple[Path, int]  # a file as it is executed, and a line
 
 
-class Frames:
-    """The frames of the last traceback that a process has printed, if that may have ended it.
+class LastTraceback:
+    """The last traceback that a process has printed, if that may have ended it.
 
     Those of the exceptions that it was raised from belong to it.
     """
 
     def __init__(self) -> None:
         self._frames: deque[Frame] = deque(maxlen=MOST_FRAMES)
+        self._lines: deque[bytes] = deque(maxlen=MOST_LINES)  # after frames and not indented
         self._is_chained = False  # the next traceback belongs to the last one
         self._lines_after = 0  # that have come since the last frame and are not indented
         self._time = 0.0  # of the last frame
@@ -58,19 +60,29 @@ class Frames:
                 self._is_chained = True
             elif line and not line.startswith(b" "):
                 self._lines_after += 1
+                self._lines.append(line)
                 if self._lines_after > MOST_LINES_AFTER:
-                    self._frames.clear()
+                    self._clear()
 
     def _begin(self) -> None:
         if not self._is_chained:
-            self._frames.clear()
+            self._clear()
         self._is_chained, self._lines_after = False, 0
+
+    def _clear(self) -> None:
+        self._frames.clear()
+        self._lines.clear()
 
     def innermost_first(self) -> Iterable[Frame]:
         """The frames, from where the exception was raised on; asked when the process has ended."""
-        if time.monotonic() - self._time > MOST_SECONDS_AFTER:
-            return ()
-        return reversed(self._frames)
+        return () if self._is_old() else reversed(self._frames)
+
+    def said(self) -> bytes:
+        """The lines that name its exceptions, and what came after them; likewise."""
+        return b"" if self._is_old() else b"\n".join(self._lines)
+
+    def _is_old(self) -> bool:
+        return time.monotonic() - self._time > MOST_SECONDS_AFTER
 
 
 class SourceLine(NamedTuple):
