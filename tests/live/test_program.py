@@ -28,6 +28,7 @@ from wsgen.live.request import REQUEST_FILE, STARTING_FILE
 from wsgen.live.ros2_command import write_ros2
 from wsgen.live.run import note_end, note_start
 from wsgen.ros_environment import RosEnvironment
+from wsgen.ros_nodes.silence import Run
 from wsgen.simulation.live_scene import short_name, socket_path
 
 PYTHON = Path("/python")
@@ -134,7 +135,10 @@ def test_live_runs_are_known_as_long_as_they_go_on(
         assert found_runs() == [alone, ("7", "rover run.launch.py", "")]
         assert all(time.time() - 600 < run[3] < time.time() + 60 for run in find_runs())
         ended = tmp_path / f"{PREFIX}0" / "live"
+        asked = [Run(*one) for one in find_runs()]
+        assert not any(one.has_ended() for one in asked)
         note_end(ended, None)
+        assert [one.has_ended() for one in asked] == [False, True]
         assert found_runs() == [alone]
         note_end(ended, Path("videos/x.gif"))
         assert found_runs() == [alone, ("7", "rover run.launch.py", "x.gif")]

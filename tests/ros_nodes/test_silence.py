@@ -6,9 +6,12 @@ import time
 from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
+from wsgen.isolation.stale import held
 from wsgen.ros_nodes.silence import Run, Silence
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     import pytest
 
 TWIST, STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
@@ -106,6 +109,31 @@ def test_a_run_that_has_ended_is_none_to_look_for() -> None:
         "rover run.launch.py",
         "rover next.launch.py",
     ]
+
+
+def test_a_run_may_end_after_it_was_found(tmp_path: Path) -> None:
+    live = tmp_path / "held" / "live"
+    live.mkdir(parents=True)
+    file = live / "ended"
+    begun = time.time()
+    run = Run("5", "rover run.launch.py", begun=begun, ended=str(file))
+    says = [
+        "No node is found in ROS_DOMAIN_ID 5.",
+        "`rover run.launch.py` has ended.",
+        "Start a launch file in another terminal: wsgen launch PACKAGE FILE --run",
+    ]
+    with held(str(live.parent)):
+        assert silence(Node(), run).expects_nodes()
+        assert "has ended" not in silence(Node(), run).nothing_runs()
+        file.touch()
+        assert not silence(Node(), run).expects_nodes()
+        assert silence(Node(), run).nothing_runs().splitlines() == says
+        file.unlink()
+    # Nobody holds it: it was killed.
+    assert silence(Node(), run).nothing_runs().splitlines() == says
+    live.rmdir()
+    assert silence(Node(), run).nothing_runs().splitlines() == says
+    assert "rover" not in silence(Node(), run._replace(domain="6")).nothing_runs()
 
 
 def test_who_waits_is_told_for_what_once(capsys: pytest.CaptureFixture[str]) -> None:

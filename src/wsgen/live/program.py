@@ -119,12 +119,12 @@ def find_live_folder(variables: Mapping[str, str]) -> Path | None:
     return max(found)[1] if found else None
 
 
-def find_runs() -> list[tuple[str, str, str, float]]:
+def find_runs() -> list[tuple[str, str, str, float, str]]:
     """The live runs of this user: the domain of ROS of each, what was launched, what is drawn.
 
     Of a run that goes on what is drawn is empty. One that has ended is there only while its video
-    is drawn; then that is its name. The last is when its nodes were started, now
-    for one that is still prepared: seconds since 1970.
+    is drawn; then that is its name. Next is when its nodes were started, now for one that is still
+    prepared: seconds since 1970. The last is the file that is in its folder when it has ended.
     """
     found = []
     for folder in Path(tempfile.gettempdir()).glob(f"{PREFIX}*/live"):
@@ -136,7 +136,7 @@ def find_runs() -> list[tuple[str, str, str, float]]:
             domain, launched, file = run
             with suppress(OSError):  # it has just ended
                 begun = time.time() if file.name == STARTING_FILE else file.stat().st_mtime
-                found.append((domain, launched, drawn or "", begun))
+                found.append((domain, launched, drawn or "", begun, str(folder / ENDED_FILE)))
     return sorted(found)
 
 

@@ -7,8 +7,10 @@ from __future__ import annotations
 
 import sys
 import time
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from wsgen.isolation.stale import is_held
 from wsgen.suggestions import ask_for_nearest, some_of
 
 if TYPE_CHECKING:
@@ -28,6 +30,14 @@ class Run(NamedTuple):
     launched: str  # what was launched: "PACKAGE FILE"
     drawn: str = ""  # the video that is still drawn of a run that has ended; empty: it goes on
     begun: float = 0.0  # seconds since 1970
+    ended: str = ""  # the file that is in its folder, which is held until then, when it has ended
+
+    def has_ended(self) -> bool:
+        """Whether it has ended, perhaps since it was found; also where it was killed."""
+        if self.drawn or not self.ended:
+            return bool(self.drawn)
+        file = Path(self.ended)
+        return file.exists() or not file.parent.exists() or not is_held(str(file.parents[1]))
 
 
 class Silence:
@@ -73,7 +83,7 @@ class Silence:
 
     def _is_starting(self, run: Run) -> bool:
         is_new = 0 <= time.time() - run.begun < SECONDS_TO_START  # clocks may be set back
-        return is_new and run.domain == self._domain and not run.drawn
+        return is_new and run.domain == self._domain and not run.has_ended()
 
     def waits(self, what: str | None) -> None:
         """Say what is waited for; without a name, it is any node."""
@@ -84,7 +94,8 @@ class Silence:
 
     def nothing_runs(self) -> str:
         """Why nobody is found, and the next step."""
-        going_on = [run for run in self._runs if not run.drawn]
+        ended = [run for run in self._runs if run.has_ended()]
+        going_on = [run for run in self._runs if run not in ended]
         here = [run for run in going_on if run.domain == self._domain]
         elsewhere = [run for run in going_on if run.domain != self._domain]
         lines = [f"No node is found in ROS_DOMAIN_ID {self._domain}."]
@@ -100,9 +111,10 @@ class Silence:
                 "ROS_AUTOMATIC_DISCOVERY_RANGE and RMW_IMPLEMENTATION."
             )
         lines += [
-            f"`{run.launched}` has ended; {run.drawn} is still being drawn of it."
-            for run in self._runs
-            if run.drawn and run.domain == self._domain
+            f"`{run.launched}` has ended"
+            + (f"; {run.drawn} is still being drawn of it." if run.drawn else ".")
+            for run in ended
+            if run.domain == self._domain
         ]
         lines += [
             f"`{run.launched}` runs in ROS_DOMAIN_ID {run.domain}. To see it: "
