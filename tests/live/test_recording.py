@@ -117,6 +117,49 @@ def test_a_full_disk(tmp_path: Path, variables: Mapping[str, str]) -> None:
     assert not (tmp_path / "x.mcap").exists()
 
 
+# A recorder whose disk is full, without ROS.
+FULL = """
+import errno, os, sys, types
+from wsgen.ros_nodes import recorder
+
+def record(stream, *, when_ready, **more):
+    when_ready()
+    stream.write({written!r})
+    stream.flush()
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+module = types.ModuleType("wsgen.ros_nodes.mcap_recording")
+module.record = record
+sys.modules[module.__name__] = module
+sys.exit(recorder.main([{file!r}, "--tell", "{told}"]))
+"""
+
+
+@pytest.mark.parametrize("written", [b"", b"a chunk"])
+def test_a_disk_that_is_full_meanwhile_is_told_at_once(tmp_path: Path, written: bytes) -> None:
+    heard, told = os.pipe()
+    with os.fdopen(heard, "rb") as hears:
+        done = subprocess.run(
+            [
+                sys.executable,
+                "-c",
+                FULL.format(written=written, file=str(tmp_path / "x.mcap"), told=told),
+            ],
+            pass_fds=[told],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        os.close(told)
+        assert hears.read().startswith(b"\n" + str(tmp_path).encode())
+    assert done.returncode == 1
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("[ERROR] [recorder]: topics are not recorded any more: ")
+    assert "x.mcap.part cannot be written: No space left" in line
+    kept = [file.read_bytes() for file in tmp_path.iterdir()]
+    assert kept == ([written] if written else [])  # what was recorded until then
+
+
 def test_a_file_that_cannot_be_written(tmp_path: Path) -> None:
     file = tmp_path / "x.mcap"
     (tmp_path / "x.mcap.part").mkdir()

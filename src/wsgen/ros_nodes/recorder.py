@@ -10,8 +10,10 @@ FOLDER is asked for that. The file has its name when it is complete; until then 
 behind it. It is completed at SIGINT or SIGTERM, and when the process PID ends. Without a message it
 is removed: an earlier recording of that name stays.
 
-It writes READY to the descriptor when it records, and a text when it cannot: why. When the file is
-complete, it writes the seconds from the first message to the last one, and how many there are.
+It writes READY to the descriptor when it records, and a text when it cannot: why. Who has started
+it may read that at the end of the run alone, so what happens meanwhile, as a full disk, is told on
+stderr, too. When the file is complete, it writes the seconds from the first message to the last
+one, and how many there are.
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ import contextlib
 import ctypes
 import os
 import signal
+import stat
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -54,6 +57,45 @@ def _read(arguments: Sequence[str] | None) -> argparse.Namespace:
     return parser.parse_args(arguments)
 
 
+class _Teller:
+    """Tells who has started the recorder, by a descriptor, or by stderr without one."""
+
+    def __init__(self, descriptor: int | None) -> None:
+        self._descriptor = descriptor
+        self._is_ready = False
+
+    def begin(self) -> None:
+        """Tell that it records."""
+        self._is_ready = True
+        self._write(READY)
+
+    def tell(self, text: str) -> None:
+        """Tell what it has recorded."""
+        self._write(text.encode())
+
+    def fail(self, why: str) -> None:
+        """Tell why it does not record, or not any more."""
+        if self._descriptor is None or self._is_ready:
+            told = f"[ERROR] [recorder]: topics are not recorded any more: {why}"
+            with contextlib.suppress(OSError):  # it may be on that disk
+                sys.stderr.write(f"{told if self._is_ready else why}\n")
+        self._write(why.encode())
+
+    def _write(self, what: bytes) -> None:
+        if self._descriptor is None:
+            return
+        with contextlib.suppress(BrokenPipeError):  # who has started it was killed
+            os.write(self._descriptor, what)
+
+
+def _remove_empty(file: Path) -> None:
+    """Remove a file that nothing could be written into."""
+    with contextlib.suppress(OSError):
+        found = file.lstat()
+        if stat.S_ISREG(found.st_mode) and found.st_size == 0:
+            file.unlink()
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Record until SIGINT or SIGTERM comes; give the exit code."""
     # They wait while what takes long is imported: an import that is broken off leaves a traceback.
@@ -63,13 +105,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if given.parent is not None:
         _end_with(given.parent)
 
-    def tell(what: bytes) -> None:
-        if given.tell is not None:
-            with contextlib.suppress(BrokenPipeError):  # who has started it was killed
-                os.write(given.tell, what)
-        elif what != READY:
-            sys.stderr.buffer.write(what + b"\n")
-
+    teller = _Teller(given.tell)
     file: Path = given.file
     unfinished = file.with_name(file.name + UNFINISHED)
     try:
@@ -80,20 +116,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 stream,
                 use_sim_time=given.use_sim_time,
                 live_folder=given.live_folder,
-                when_ready=lambda: tell(READY),
+                when_ready=teller.begin,
             )
         if messages:
             unfinished.replace(file)
         else:
             unfinished.unlink(missing_ok=True)
-        if given.tell is not None:
-            tell(f"{seconds:.3f} {messages}".encode())
+        teller.tell(f"{seconds:.3f} {messages}")
     except OSError as error:
-        tell(f"{unfinished} cannot be written: {error.strerror or error}".encode())
+        _remove_empty(unfinished)
+        teller.fail(f"{unfinished} cannot be written: {error.strerror or error}")
         return FAILED
     except ImportError as error:
         unfinished.unlink(missing_ok=True)
-        tell(f"a Python module cannot be imported: {error}".encode())
+        teller.fail(f"a Python module cannot be imported: {error}")
         return FAILED
     return 0
 
