@@ -199,6 +199,32 @@ def test_what_is_thrown_into_a_rover_or_under_it_is_not_soft() -> None:
         assert world.state("o").xyz[2] == pytest.approx(0.05, abs=0.001)
 
 
+def test_contacts_are_not_set_anew_where_an_obstacle_is_moved(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[float] = []
+
+    def noted(mass: float, share: float, step_seconds: float) -> tuple[float, float]:
+        asked.append(share)
+        return spring_of(mass, share, step_seconds)
+
+    monkeypatch.setattr("wsgen.simulation.bullet_body.spring_of", noted)
+    rover, obstacle = ROVERS["four wheels"], single(body(Box(size=(0.1, 0.1, 0.1))))
+    other = SpawnedRobot(entity="o", robot=obstacle, pose_in_world=Pose((0.0, 9.0, 0.05)))
+    with spawned(engine("bullet"), rover.robot, rover.start, other, world=GROUND) as world:
+        world.advance(1000)
+        assert asked
+        before = len(asked)
+        for number in range(10):
+            world.place("o", Pose((0.0, 9.0 + number / 100, 0.05)))
+            world.advance(1)
+        assert len(asked) == before
+        again = Pose((0.0, 0.0, 0.5 * rover.size - 0.02))  # 2 cm in the ground
+        world.place("e", again)
+        world.advance(1)
+        assert len(asked) > before
+
+
 def test_what_resists_a_push_from_below() -> None:
     """Less at a longer lever, more with more mass, and more at wheels: DART touches them twice."""
     rover = Rover(10.0, 0.5, 0.01, (0.8,))

@@ -310,6 +310,7 @@ class BulletBody:
         self._set_properties()
         # Contacts with what is static are as soft as the other one's.
         self._contact_masses = {} if tree.is_static else contact_masses(self._parts)
+        self._share: float | None = None  # of an overlap, that its contacts take
         self._springs = [
             (
                 self.movable[joint.name],
@@ -355,6 +356,9 @@ class BulletBody:
 
     def soften_contacts(self, share: float) -> None:
         """Have its contacts spread its weight, and take this share of an overlap in one step."""
+        if share == self._share:  # asked in each step where somebody moves an obstacle
+            return
+        self._share = share
         for name, mass in self._contact_masses.items():
             stiffness, damping = spring_of(mass, share, self._step_seconds)
             self._client.changeDynamics(
