@@ -168,8 +168,9 @@ Each case is a small launch file. Its expected result was recorded with the real
 `launch_ros` of humble, jazzy and rolling, which all agree. The recorder visits the launch
 description with a real `LaunchContext`, and replaces the execution of processes, so that every
 process ends at once. In 2025 launch changed: `PathJoinSubstitution` takes lists (t18), and from
-jazzy on a timer keeps the configurations of its group (t21). wsgen does either as the target does;
-these two are of the launch before.
+jazzy on a timer keeps the configurations of its group (t21). wsgen does as `ROS_DISTRO` says, which
+for `wsgen check` is the target, and takes lists where it is not set; these two are of the launch
+before.
 
 A line is `@T NODE package/executable namespace/name [arguments] P:{parameters}` or
 `@T PROC [command]`, where T is the simulated time in seconds, in the order in which things start.
