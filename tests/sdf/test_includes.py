@@ -134,6 +134,13 @@ def test_merged_include(read: Read, models: Path) -> None:
         ('<include merge="true"><uri>model://lost</uri></include>', "base", ["WLD004"]),
         ("<include><uri>model://lost</uri></include>", "lost::base", ["WLD004"]),
         ("<include><uri>lost</uri><name>n</name></include>", "n::base", ["WLD004"]),
+        # Its own file may call it so.
+        ("<include><uri>model://lost</uri></include>", "lost_base::base", ["WLD004"]),
+        (
+            "<include><uri>lost</uri><name>n</name></include>",
+            "lost::base",
+            ["ROB013", "WLD004", "WLD016"],
+        ),
         ("<include><uri>model://lost</uri></include>", "base", ["ROB013", "WLD004", "WLD016"]),
         ("", "base", ["ROB013", "WLD016"]),
     ],

@@ -70,6 +70,7 @@ FRAME_CYCLE = Rule(
 
 MODEL_FRAME = "__model__"  # SDF's name of the frame of the model around an element
 WORLD = "world"
+UNNAMED = "::"  # in `Scope.left_out`; no model has this name
 PARTS: tuple[Kind, ...] = ("link", "joint", "frame", "model")
 NESTED_NAMES: Version = (1, 8)  # from here on `::` in a name leads into a model
 
@@ -141,7 +142,8 @@ class Scope:
         self.placement_frame = ""  # the frame in it whose pose is that of the model
         self.nodes: dict[str, Node] = {}
         self.merged: list[Scope] = []  # their names count as names of this one
-        # The names of included models that were not found; "" for one that is merged.
+        # The names of included models that were not found; "" for one that is merged, and
+        # UNNAMED beside the name of its folder where only its own file says how it is called.
         self.left_out: set[str] = set()
 
     @property
@@ -173,8 +175,9 @@ class Scope:
 
     def may_have(self, name: str) -> bool:
         """Whether a model that was not found may have what is not found in its scope."""
-        head = name.partition("::")[0]
-        return any(not scope.left_out.isdisjoint({"", head}) for scope in self.with_merged())
+        head, is_inside, _ = name.partition("::")
+        having = {"", head, UNNAMED} if is_inside else {"", head}
+        return any(not scope.left_out.isdisjoint(having) for scope in self.with_merged())
 
     def with_merged(self) -> Iterator[Scope]:
         """This scope, and those merged into it."""

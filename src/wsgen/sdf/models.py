@@ -15,6 +15,7 @@ from wsgen.sdf.frames import (
     MODEL_FRAME,
     PARTS,
     UNKNOWN_FRAME,
+    UNNAMED,
     Node,
     Scope,
     checked_name,
@@ -170,7 +171,8 @@ class Contents:
         is_merged = not scope.is_world and include.get("merge") in {"true", "1"}
         if found is None:
             last = uri.rstrip("/").rpartition("/")[2]
-            scope.left_out.add("" if is_merged else word(include, "name") or last)
+            given = word(include, "name")
+            scope.left_out |= {""} if is_merged else {given} if given else {last, UNNAMED}
             return
         source, element = found
         node = self._place(scope, include, uri, source, element)
