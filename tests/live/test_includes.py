@@ -54,7 +54,7 @@ def test_parameters_reach_gazebo(
             "gz_args has a quotation mark without its other one: -r 'empty.sdf",
         ),
         ("gz_sim.launch.py", {"ign_args": '"'}, "ign_args has a quotation mark without"),
-        ("gz_spawn_model.launch.py", {"R": "up"}, "R is `up`, and no number."),
+        ("gz_spawn_model.launch.py", {"R": "up"}, "R is `up`, which is not a number."),
     ],
 )
 def test_arguments_that_make_no_sense_are_named(

@@ -111,7 +111,8 @@ def _number(name: str, text: str) -> float:
         return float(text)
     except ValueError:
         raise RequestError(
-            f"{name} is `{text}`, and no number.", hint="Give meters, and radians for R, P and Y."
+            f"{name} is `{text}`, which is not a number.",
+            hint="Give meters, and radians for R, P and Y.",
         ) from None
 
 
