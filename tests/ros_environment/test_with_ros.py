@@ -191,8 +191,9 @@ def test_nodes_send_messages_of_the_workspace(ros: RosEnvironment, tmp_path: Pat
     message.write_text("nav_msgs/Path way\n")
     result = build(workspace, packages=["door_msgs"], environment=plain_environment())
     assert not result.succeeded
-    assert "nav_msgs is used, but it is not among DEPENDENCIES" in str(result.diagnostics)
-    assert "Door.msg:1" in str(result.diagnostics)
+    (found,) = result.diagnostics
+    assert "nav_msgs is used, but it is not among DEPENDENCIES" in found.message
+    assert (found.file, found.line) == (message, 1)
 
 
 def test_without_the_extra_messages_are_left_out_and_pip_is_named(
