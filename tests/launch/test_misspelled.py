@@ -235,6 +235,17 @@ def test_a_name_that_a_stand_in_lacks(space: InstallSpace) -> None:
     assert "wsgen" not in message.partition("\n")[0]
 
 
+def test_a_name_that_a_module_of_the_user_lacks(space: InstallSpace, tmp_path: Path) -> None:
+    (tmp_path / "paths_of_mine.py").write_text("SHARE = 'a'")
+    path = f"import sys\nsys.path.append({str(tmp_path)!r})\n"
+    for name, hint in (
+        ("SHAR", "Did you mean `SHARE`?"),
+        ("other", "Correct the import, or define 'other' in paths_of_mine."),
+    ):
+        plan = space.play("", before=f"{path}from paths_of_mine import {name}")
+        assert hint in only_message(plan, "LCH002")
+
+
 def test_a_script_that_setuptools_installs_into_bin(space: InstallSpace) -> None:
     space.add("other")
     script = space.prefix / "bin" / "talker"

@@ -365,3 +365,15 @@ def test_what_an_unknown_description_starts(space: InstallSpace) -> None:
         before="from moveit_configs_utils.launches import generate_demo_launch",
     )
     assert STARTS_UNKNOWN in [entry.why for entry in plan.unresolved]
+
+
+def test_all_names_of_an_absent_module(space: InstallSpace) -> None:
+    plan = space.play(
+        "generate_demo_launch(), OpaqueFunction(function=f)",
+        before="from moveit_configs_utils.launches import *\n"
+        "def f(context):\n    other = [context]\n    return []",
+    )
+    assert not plan.diagnostics
+    assert "moveit_configs_utils.launches.generate_demo_launch()" in [
+        entry.what for entry in plan.unresolved if entry.why == STARTS_UNKNOWN
+    ]

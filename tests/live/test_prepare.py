@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.errors import NotFoundError
 from wsgen.launch.launch_warnings import UNUSED_ARGUMENT
+from wsgen.live.missing_programs import ABSENT_LAUNCH_MODULE, STARTS_NOTHING
 from wsgen.live.prepare import BrokenRunError, Prepared, RunRequest, prepare
 from wsgen.live.request import ServiceRequest
 from wsgen.live.resolve import Resolver
@@ -107,6 +109,54 @@ def test_an_argument_without_effect_is_reported(
     prepared(SIMULATOR, is_stepped=True, wrold="b.sdf")
     (found,) = [one for one in shown if one.code == UNUSED_ARGUMENT.code]
     assert (found.element, found.line) == ("wrold", None)
+
+
+MOVEIT = "from moveit_configs_utils.launches import generate_demo_launch"
+
+
+@pytest.mark.parametrize("is_strict", [False, True])
+def test_a_launch_file_that_starts_nothing_without_a_module(
+    prepared: Callable[..., Prepared], *, is_strict: bool
+) -> None:
+    with pytest.raises(NotFoundError) as raised:
+        prepared("generate_demo_launch()", before=MOVEIT, is_strict=is_strict)
+    assert "a.launch.py starts nothing without the Python module moveit_configs_utils" in str(
+        raised.value
+    )
+    assert "line 7 of a.launch.py imports it.\nmoveit_configs_utils is" in str(raised.value)
+
+
+def test_what_comes_from_an_absent_module_is_left_out(
+    prepared: Callable[..., Prepared], shown: list[Diagnostic]
+) -> None:
+    prepared("generate_demo_launch(),", NODE, before=MOVEIT)
+    (found,) = [one for one in shown if one.code == ABSENT_LAUNCH_MODULE.code]
+    assert (found.severity, found.line, found.element) == (
+        Severity.WARNING,
+        7,
+        "moveit_configs_utils",
+    )
+    assert "launches.generate_demo_launch() starts is left out." in found.message
+    with pytest.raises(BrokenRunError):
+        prepared("generate_demo_launch(),", NODE, before=MOVEIT, is_strict=True)
+
+
+def test_an_absent_module_of_which_nothing_is_needed(
+    prepared: Callable[..., Prepared], shown: list[Diagnostic]
+) -> None:
+    before = "import rclpy.logging\n    rclpy.logging.get_logger('launch').info('begins')"
+    prepared(NODE, before=before, is_strict=True)
+    assert not [one for one in shown if one.code == ABSENT_LAUNCH_MODULE.code]
+
+
+def test_a_launch_file_that_starts_nothing(
+    prepared: Callable[..., Prepared], shown: list[Diagnostic]
+) -> None:
+    prepared(DOMAIN, is_strict=True)
+    assert [one.code for one in shown] == [STARTS_NOTHING.code]
+    shown.clear()
+    prepared(NODE)
+    assert not shown
 
 
 def test_the_domain_of_the_launch_file_is_not_that_of_a_session(

@@ -230,14 +230,18 @@ def of_import(error: BaseException) -> Explanation | None:
             element=module,
         )
     names = {*MODULES, *KNOWN_MODULES, *sys.stdlib_module_names}
+    word, otherwise = module, f"Install '{module}' into the Python that runs wsgen."
+    if named is not None and module in sys.modules:
+        word, names = named[1], set(dir(sys.modules[module]))
+        otherwise = f"Correct the import, or define '{word}' in {module}."
     said = re.sub(r" \(/.*\)$", "", str(error))  # without the file of the module
     return Explanation(
         IMPORT_ERROR,
         f"The launch file cannot import this: {said}.",
         advice(
-            module,
+            word,
             [name for name in names if not name.startswith("_")],
-            f"Install '{module}' into the Python that runs wsgen.",
+            otherwise,
             cutoff=SURELY,
         ),
         element=error.name,

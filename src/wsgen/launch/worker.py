@@ -9,6 +9,7 @@ stays an ImportError.
 
 from __future__ import annotations
 
+import ast
 import builtins
 import functools
 import importlib
@@ -25,7 +26,7 @@ from wsgen.diagnostics import has_errors
 from wsgen.isolation.child import copy_environment, scratch_folder, set_environment
 from wsgen.launch import known_packages, package_lookup, written_files
 from wsgen.launch.record import RECORD, ForkError, NotPlainError, caller, callers
-from wsgen.model.plan import LaunchArgument, LaunchPlan
+from wsgen.model.plan import ABSENT_MODULE, LaunchArgument, LaunchPlan
 from wsgen.ros_names import rosdep_keys
 
 if TYPE_CHECKING:
@@ -309,11 +310,34 @@ class _MissingModule(ModuleType):
     """Every name in it is unknown."""
 
     def __getattr__(self, name: str) -> Any:
+        if name == "__all__":  # of `from module import *`
+            return _names_from_elsewhere()
         if name.startswith("__"):
             raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
         from launch._unknown import Unknown
 
         return Unknown(f"{self.__name__}.{name}")
+
+
+def _names_from_elsewhere() -> list[str]:
+    """The names that the file which is importing uses, and that nothing else has given it."""
+    from wsgen.launch.explain_missing import nodes_of
+
+    frame = sys._getframe(2)  # noqa: SLF001  no stack has to be built for it
+    while frame.f_back is not None and "importlib" in frame.f_code.co_filename:
+        frame = frame.f_back
+    used: set[str] = set()
+    bound = {*frame.f_globals, *vars(builtins)}
+    for node in nodes_of(frame.f_code.co_filename):
+        if isinstance(node, ast.Name):
+            (used if isinstance(node.ctx, ast.Load) else bound).add(node.id)
+        elif isinstance(node, (ast.FunctionDef, ast.ClassDef)):
+            bound.add(node.name)
+        elif isinstance(node, ast.arg):
+            bound.add(node.arg)
+        elif isinstance(node, ast.alias):
+            bound.add((node.asname or node.name).partition(".")[0])
+    return sorted(used - bound)
 
 
 class _MissingModules:
@@ -339,7 +363,7 @@ class _MissingModules:
             return None
         if not inside:
             RECORD.lookups.setdefault(package, location)
-            RECORD.note_unresolved(package, "its Python module is not installed", location)
+            RECORD.note_unresolved(package, ABSENT_MODULE, location)
             RECORD.argument_use.is_unknown = True
         return ModuleSpec(name, self, is_package=True)  # type: ignore[arg-type]  # all it needs
 

@@ -127,25 +127,32 @@ def tell_of_module(
     """
     top = module.partition(".")[0]
     lacks = f"the Python module {module} is missing"
+    if top not in workspace:
+        if top in OF_PYTHON:
+            return (
+                f"{lacks}, a part of Python that this one was built without; for that of Debian "
+                f"and Ubuntu: sudo apt install {OF_PYTHON[top]}"
+            )
+        if top in OF_ROS_1:
+            return f"{lacks}: it is one of ROS 1; port the node to ROS 2"
+        meant = _meant(top, workspace)
+        if meant is not None:
+            return f"{lacks}. {did_you_mean(meant)}"
+    return f"{lacks}: {way_to_module(top, python, workspace, distro)}"
+
+
+def way_to_module(
+    top: str, python: Path | None, workspace: Collection[str], distro: str | None
+) -> str:
+    """What to do to have a module that is not in another one."""
     if top in workspace:
         return (
-            f"{lacks}: {top} is a package of this workspace; let it install its modules, and run "
+            f"{top} is a package of this workspace; let it install its modules, and run "
             "`wsgen build`"
         )
-    if top in OF_PYTHON:
-        return (
-            f"{lacks}, a part of Python that this one was built without; for that of Debian and "
-            f"Ubuntu: sudo apt install {OF_PYTHON[top]}"
-        )
-    if top in OF_ROS_1:
-        return f"{lacks}: it is one of ROS 1; port the node to ROS 2"
-    meant = _meant(top, workspace)
-    if meant is not None:
-        return f"{lacks}. {did_you_mean(meant)}"
     if top not in ON_PYPI and top in released_packages():
-        return f"{lacks}: {_way_to_package(top, distro)}"
-    command = f"{python or 'python3'} -m pip install {ON_PYPI.get(top, top)}"
-    return f"{lacks}: {command}"
+        return _way_to_package(top, distro)
+    return f"{python or 'python3'} -m pip install {ON_PYPI.get(top, top)}"
 
 
 def _meant(module: str, workspace: Collection[str]) -> str | None:

@@ -8,7 +8,7 @@ from dataclasses import field, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from wsgen.diagnostics import has_errors
+from wsgen.diagnostics import Severity, has_errors
 from wsgen.files import write_file
 from wsgen.isolation.codec import encode
 from wsgen.launch import known_packages
@@ -21,7 +21,12 @@ from wsgen.live.messages import (
     messages_of_plan,
     messages_of_robots_to_come,
 )
-from wsgen.live.missing_programs import cannot_run
+from wsgen.live.missing_programs import (
+    absent_modules,
+    cannot_run,
+    nothing_started,
+    starts_nothing,
+)
 from wsgen.live.preparer import Preparer, serve
 from wsgen.live.program import DOMAIN, distro_of_run, find_live_folder, launched_in
 from wsgen.live.recording import Recordings
@@ -241,8 +246,13 @@ def prepare(  # noqa: PLR0913  what to prepare, where, how
         ros = open_ros(messages | more)
     has_simulation = started.simulator is not None or bool(robots)
     found = tuple(_found(subject, started, has_simulation=has_simulation))
-    if request.is_strict:
+    absent = tuple(absent_modules(started.plan, [one.name for one in packages]))
+    if starts_nothing(started.plan) and not has_simulation:
+        absent = (nothing_started(started.plan, absent),)
+    elif request.is_strict:
         found += tuple(cannot_run(started.plan, is_sourced=ros.is_sourced))
+        absent = tuple(replace(one, severity=Severity.ERROR) for one in absent)
+    found += tuple(subject.named(absent))
     show((*found, *selected.overlay.not_built()))
     is_stopped = request.is_strict and has_errors(found)
     is_broken = not all(robot.can_run for robot in robots)

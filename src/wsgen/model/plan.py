@@ -109,7 +109,10 @@ class FileRead:
     sha256: str | None  # of the content, hexadecimal; None where the file cannot be read
 
 
+# Why something is `Unresolved`: a module; what a module that is absent would start, or say.
+ABSENT_MODULE = "its Python module is not installed"
 STARTS_UNKNOWN = "what it starts comes from a Python module that is not installed"
+OF_ABSENT_MODULE = "it comes from a Python module that is not installed"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from launch._events import ProcessExited, ProcessStarted
 from launch.base import Action, Substitution
 from wsgen.launch.record import RECORD, UnknownText, caller
-from wsgen.model.plan import STARTS_UNKNOWN
+from wsgen.model.plan import OF_ABSENT_MODULE, STARTS_UNKNOWN
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -22,9 +22,6 @@ if TYPE_CHECKING:
 
     from launch.base import LaunchDescriptionEntity
     from launch.launch_context import LaunchContext
-
-
-WHY = "it comes from a Python module that is not installed"
 
 
 def _unpacked(frame: FrameType) -> int:
@@ -70,7 +67,7 @@ class Unknown(Action, Substitution):
     def wsgen_text(self) -> str:
         """The text that stands for it."""
         location = self.wsgen_location or caller()
-        return RECORD.note_unknown(self.wsgen_what, WHY, location)
+        return RECORD.note_unknown(self.wsgen_what, OF_ABSENT_MODULE, location)
 
     def perform(self, context: LaunchContext) -> str:
         """See `wsgen_text`."""
