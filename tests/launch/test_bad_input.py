@@ -326,9 +326,50 @@ def test_handlers_without_end(space: InstallSpace) -> None:
 
 
 def test_environment_variable_that_is_not_set(space: InstallSpace) -> None:
-    plan = space.play("", before="os.environ['GAZEBO_MODEL_PATH']")
-    assert "GAZEBO_MODEL_PATH" in only_message(plan, "LCH020")
-    assert "`GAZEBO_MODEL_PATH=VALUE wsgen validate`" in str(plan.diagnostics[0].hint)
+    plan = space.play("", before="os.environ['TURTLEBOT3_MODEL']")
+    assert "TURTLEBOT3_MODEL" in only_message(plan, "LCH020")
+    assert "`export TURTLEBOT3_MODEL=VALUE`" in str(plan.diagnostics[0].hint)
+
+
+@pytest.mark.parametrize(
+    "read",
+    [
+        "os.environ['GZ_SIM_RESOURCE_PATH'] += ':/models'",
+        "os.environ['X'] = os.environ.get('GAZEBO_MODEL_PATH') + os.pathsep + '/models'",
+        "os.environ['X'] = os.getenv('IGN_GAZEBO_SYSTEM_PLUGIN_PATH') + ':/models'",
+        "os.environ['X'] = os.environ['SDF_PATH'] + os.environ['GAZEBO_PLUGIN_PATH']",
+        "SetEnvironmentVariable('X', [EnvironmentVariable('GAZEBO_RESOURCE_PATH'), ':/models'])",
+    ],
+)
+def test_search_path_of_gazebo_that_is_not_set(space: InstallSpace, read: str) -> None:
+    is_action = read.startswith("Set")
+    plan = space.play(
+        f"{read if is_action else ''}{', ' * is_action}ExecuteProcess(cmd=['x'])",
+        before="" if is_action else read,
+    )
+    assert plan.is_complete
+    assert len(plan.processes) == 1
+    assert {(one.code, one.severity.value) for one in plan.diagnostics} == {("LCH020", "warning")}
+    assert [one.element for one in plan.diagnostics if f"'{one.element}'" in (one.hint or "")]
+    assert set(plan.environment.values()) <= {":/models", ""}
+
+
+@pytest.mark.parametrize("read", ["os.environ['{}']", "'' + os.getenv('{}')", "$"])
+def test_variables_of_a_login_and_of_a_sourced_ros_are_set(
+    space: InstallSpace, monkeypatch: pytest.MonkeyPatch, read: str
+) -> None:
+    names = (
+        *("AMENT_PREFIX_PATH", "CMAKE_PREFIX_PATH", "COLCON_PREFIX_PATH", "DISPLAY", "HOME"),
+        *("LANG", "LD_LIBRARY_PATH", "LOGNAME", "PATH", "PYTHONPATH", "ROS_DISTRO", "SHELL"),
+        *("ROS_PYTHON_VERSION", "ROS_VERSION", "TERM", "USER"),
+    )
+    for name in {*names} - {"AMENT_PREFIX_PATH", "PATH"}:
+        monkeypatch.delenv(name, raising=False)
+    before = "\n".join(read.format(name) for name in names) if read != "$" else ""
+    actions = ", ".join(f"LogInfo(msg=EnvironmentVariable('{name}'))" for name in names)
+    plan = space.play("" if before else actions, before=before)
+    assert not plan.diagnostics
+    assert plan.is_complete
 
 
 @pytest.mark.parametrize("read", ["os.getenv('BASE')", "os.environ.get('BASE', None)"])
@@ -342,7 +383,7 @@ def test_environment_variable_that_is_none(space: InstallSpace, read: str) -> No
     assert "BASE is not set" in message
     assert "None.urdf" in message
     (found,) = plan.diagnostics
-    assert "BASE=VALUE wsgen validate`, where VALUE is one of 2wd, 4wd." in str(found.hint)
+    assert "export BASE=VALUE`, where VALUE is one of 2wd, 4wd." in str(found.hint)
     assert plan.launch_file.read_text().splitlines()[(found.line or 0) - 1] == f"base = {read}"
 
 

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.diagnostics import Rule, Severity
+from wsgen.diagnostics import Rule, Severity, has_errors
 from wsgen.isolation import parent
 from wsgen.isolation.codec import decode
 from wsgen.isolation.result import Died, Limits
 from wsgen.model.plan import LaunchPlan, LaunchRequest
 from wsgen.source_shares import name_sources
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
-    from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.parent import Run
@@ -76,8 +78,9 @@ def evaluate(  # noqa: PLR0913  all but two have defaults
         with_origins=with_origins,
     )
 
-    def play(request: LaunchRequest) -> LaunchPlan:
-        outcome = run(task, request, limits=limits, environment=_complete(environment))
+    def play(request: LaunchRequest, unset: Mapping[str, Diagnostic]) -> LaunchPlan:
+        variables = {**_complete(environment), **dict.fromkeys(unset, "")}
+        outcome = run(task, request, limits=limits, environment=variables)
         if isinstance(outcome, Died):
             return LaunchPlan(
                 package=package,
@@ -91,17 +94,65 @@ def evaluate(  # noqa: PLR0913  all but two have defaults
         files = tuple(sorted(decoded.files, key=lambda file: file.path))
         return replace(decoded, launch_file=launch_file, files=files)
 
-    plan = play(request)
+    unset: dict[str, Diagnostic] = {}
+    plan = play(request, unset)
     given = tuple(answers()) if plan.unanswered else ()
-    return play(replace(request, answers=given)) if given else plan
+    if given:
+        request = replace(request, answers=given)
+        plan = play(request, unset)
+    while has_errors(plan.diagnostics):
+        more = _unset_search_paths(plan)
+        if more.keys() <= unset.keys():
+            break
+        unset.update(more)
+        plan = play(request, unset)
+    return replace(plan, diagnostics=(*unset.values(), *plan.diagnostics)) if unset else plan
+
+
+_SEARCH_PATH = lazy_pattern(r"(?:GZ|IGN|IGNITION|GAZEBO)_(?:\w+_)?PATH|SDF_PATH")  # of Gazebo
+
+
+def _unset_search_paths(plan: LaunchPlan) -> dict[str, Diagnostic]:
+    """The search paths of Gazebo that the launch file needs and that are not set."""
+    from wsgen.launch.explain import VARIABLE_NOT_SET
+
+    found = {}
+    for one in plan.diagnostics:
+        name = one.element or ""
+        if one.code == VARIABLE_NOT_SET.code and _SEARCH_PATH.fullmatch(name):
+            message = (
+                f"The launch file adds to {name}, which is not set: `ros2 launch` stops here, "
+                "unless something else sets it. An empty one is assumed."
+            )
+            hint = f"Write AppendEnvironmentVariable('{name}', FOLDER), which needs no value."
+            found[name] = replace(one, message=message, hint=hint, severity=Severity.WARNING)
+    return found
 
 
 DISTRO_OF_LAUNCHES = "iron"  # where neither the environment nor a target says another one
 
 
 def _complete(environment: Mapping[str, str]) -> dict[str, str]:
-    """The environment with what a sourced ROS always has."""
+    """The environment with what a login and a sourced ROS always set."""
+    prefixes = list(filter(None, environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep)))
+    # Below the folder that colcon installs to, each package may have a prefix of its own.
+    workspaces = [
+        prefix.parent if (prefix / "share" / prefix.name).is_dir() else prefix
+        for prefix in map(Path, prefixes)
+    ]
+    home = environment.get("HOME") or os.path.expanduser("~")
+    user = environment.get("USER") or os.path.basename(home) or "user"
     return {
+        "HOME": home,
+        "USER": user,
+        "LOGNAME": user,
+        "SHELL": "/bin/bash",
+        "LANG": "C.UTF-8",
+        "TERM": "xterm",
+        "DISPLAY": ":0",
+        "LD_LIBRARY_PATH": os.pathsep.join(os.path.join(prefix, "lib") for prefix in prefixes),
+        "CMAKE_PREFIX_PATH": os.pathsep.join(prefixes),
+        "COLCON_PREFIX_PATH": os.pathsep.join(dict.fromkeys(map(str, workspaces))),
         "ROS_DISTRO": DISTRO_OF_LAUNCHES,
         "ROS_VERSION": "2",
         "ROS_PYTHON_VERSION": "3",

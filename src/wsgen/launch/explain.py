@@ -106,9 +106,11 @@ VARIABLE_NOT_SET = Rule(
     code="LCH020",
     name="variable-not-set",
     severity=Severity.ERROR,
+    severity_varies="a warning about a search path of Gazebo, which is then taken as empty",
     summary="The launch file reads an environment variable that is not set.",
-    what="Looks for `os.environ[NAME]`, and for what fails because `os.getenv(NAME)` is None, of a "
-    "variable that neither the sourced workspace nor the environment of wsgen sets.",
+    what="Looks for `os.environ[NAME]`, `EnvironmentVariable(NAME)` and what fails because "
+    "`os.getenv(NAME)` is None, of a variable that neither a login, a sourced workspace nor the "
+    "environment of wsgen sets.",
     why="Python raises a KeyError, or None becomes part of a path, and the launch stops on every "
     "machine that does not set the variable.",
     example="os.environ['GAZEBO_MODEL_PATH']",
@@ -398,7 +400,7 @@ def _variable_not_set(name: str, with_default: str) -> Explanation:
     return Explanation(
         VARIABLE_NOT_SET,
         f"The launch file needs the environment variable {name}, which is not set.",
-        f"Set it: `{name}=VALUE wsgen validate`. Or read it with a default: {with_default}.",
+        f"Set it first: `export {name}=VALUE`. Or read it with a default: {with_default}.",
         element=name,
     )
 
@@ -420,7 +422,7 @@ def _of_unset_variable(found: Explanation) -> Explanation | None:
     return Explanation(
         VARIABLE_NOT_SET,
         f"The environment variable {name} is not set, so that it is None. {found.message}",
-        f"Set it: `{name}=VALUE wsgen validate`{known}. Or read it with a default: "
+        f"Set it first: `export {name}=VALUE`{known}. Or read it with a default: "
         f"os.environ.get('{name}', '').",
         file,
         line,

@@ -116,6 +116,10 @@ GIVEN_FROM_OUTSIDE = frozenset(
 )
 
 
+def _is_given_from_outside(found: Diagnostic) -> bool:
+    return found.code in GIVEN_FROM_OUTSIDE and found.severity is Severity.ERROR
+
+
 def of_launch(
     one: Candidate,
     beside: Sequence[Candidate],
@@ -142,7 +146,7 @@ def of_launch(
         if found.code == UNDECLARED_PACKAGE.code and one.launch_file.package:
             continue  # reported once for all files of the package
         if (
-            (found.code in GIVEN_FROM_OUTSIDE and not _is_wrong_import(found))
+            (_is_given_from_outside(found) and not _is_wrong_import(found))
             or _lacks_device(found)
             or _lacks_module(found, package)
             or (is_open and _is_for_nothing(found))
