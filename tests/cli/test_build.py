@@ -54,6 +54,16 @@ def build(package: Path, *options: str) -> tuple[int, str]:
     return run.returncode, run.stdout + run.stderr
 
 
+def test_where_it_builds_is_said_before(package: Path, tmp_path: Path) -> None:
+    note = f"note: The current folder is in the workspace {tmp_path}, which is used.\n"
+    assert note in build(package)[1]
+    assert "note:" not in build(tmp_path)[1]
+    (tmp_path / "ws" / "src").mkdir(parents=True)
+    (tmp_path / "ws" / "src" / "notes.txt").touch()
+    code, output = build(tmp_path / "ws")
+    assert (code, f"{tmp_path / 'ws'} has no package." in output) == (4, True)
+
+
 def test_the_next_step(package: Path) -> None:
     assert build(package)[1].endswith("\nNext: wsgen validate\n")
     assert build(package, "demo")[1].endswith("\nNext: wsgen validate demo\n")

@@ -86,7 +86,25 @@ def test_second_package_goes_into_the_workspace_around(
     }
     assert "'-entity', 'simple_robot'" in spawned["gazebo_test"]
     assert "'-entity', 'second_robot'" in spawned["second_robot"]
-    assert capsys.readouterr().out.endswith("\nNext: wsgen build && wsgen validate\n")
+    output = capsys.readouterr()
+    assert output.out.endswith("\nNext: wsgen build && wsgen validate\n")
+    announced = f"note: The current folder is in the workspace {source.parent}, which is used.\n"
+    assert output.err.startswith(announced)
+    assert new("third_robot", "--dry-run") == 0
+    assert capsys.readouterr().err.startswith(announced)
+    assert new("third_robot", "--dry-run", "-w", str(source.parent)) == 0  # as was asked
+    assert announced not in capsys.readouterr().err
+
+
+def test_the_source_folder_of_somebody_else_gets_no_package(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert new("tool", "-w", ".") == 0
+    (here / "project" / "demo").mkdir(parents=True)
+    monkeypatch.chdir(here / "project" / "demo")
+    assert new("robot") == 0
+    assert (here / "project" / "demo" / "ws_gazebo" / "src" / "robot").is_dir()
+    assert not (here / "src" / "robot").exists()
 
 
 @pytest.mark.parametrize("inside", [".", "src", "src/drivers", "src/drivers/lidar"])

@@ -376,6 +376,7 @@ def test_a_template_is_simulated_as_its_package(template: str, tmp_path: Path) -
         maintainer_email="ada@example.com",
         workflow_service=None,
         is_dry_run=False,
+        announce=lambda _workspace: None,
     )
     workspace = Workspace(root=tmp_path / "ws")
     with opened(template=template, target=target) as subject:

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from build.building import PACKAGE_XML, write_package
+from wsgen.build.request import refuse_empty
 from wsgen.errors import NotFoundError, RequestError
 from wsgen.workspace.layout import (
     Workspace,
@@ -14,7 +15,7 @@ from wsgen.workspace.layout import (
     find_workspace,
     open_workspace,
     take_inventory,
-    workspace_of_source_folder,
+    with_surroundings,
 )
 
 
@@ -26,10 +27,99 @@ def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "ws"
 
 
-@pytest.mark.parametrize("inside", [".", "src", "src/demo", "src/demo/model", "docs"])
+@pytest.mark.parametrize("inside", [".", "src", "src/demo", "src/demo/model", "src/demo/src/code"])
 def test_found_from_everywhere_inside(root: Path, inside: str) -> None:
-    (root / inside).mkdir(exist_ok=True)
+    (root / inside).mkdir(exist_ok=True, parents=True)
     assert find_workspace(root / inside) == Workspace(root=root)
+
+
+@pytest.mark.parametrize(
+    ("inside", "mark"),
+    [
+        ("docs", "install/.colcon_install_layout"),
+        ("build/demo", "build/.built_by"),
+        ("install/demo/share", "install/.colcon_install_layout"),
+        ("log", "log/latest_build"),
+    ],
+)
+def test_found_from_beside_its_source_folder_once_it_is_built(
+    inside: str, mark: str, root: Path
+) -> None:
+    (root / inside).mkdir(parents=True)
+    assert find_workspace(root / inside) is None
+    (root / mark).parent.mkdir(exist_ok=True)
+    (root / mark).write_text("colcon\n")
+    (root / inside.partition("/")[0] / "COLCON_IGNORE").touch()
+    (root / "docs").mkdir(exist_ok=True)
+    assert find_workspace(root / ("docs" if inside == "docs" else inside)) == Workspace(root=root)
+
+
+def test_a_source_folder_above_captures_nobody(
+    root: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """`src` of another folder, and `build` and `install` of other tools."""
+    monkeypatch.setenv("HOME", str(tmp_path / "elsewhere"))
+    write_package(tmp_path, "tool")
+    for other in ("build/CMakeCache.txt", "install/bin/tool", "build/.built_by", "log/app.log"):
+        (tmp_path / other).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / other).write_text("catkin build\n")
+    demo = tmp_path / "project" / "demo"
+    demo.mkdir(parents=True)
+    assert find_workspace(demo) is None
+    monkeypatch.chdir(demo)
+    with pytest.raises(NotFoundError, match="is not in a colcon workspace") as raised:
+        open_workspace(None)
+    assert raised.value.hint == (
+        f"demo is outside of the src of {tmp_path}. To use that workspace: -w {tmp_path}"
+    )
+    (demo / "src").mkdir()
+    assert find_workspace(demo) == Workspace(root=demo)
+    monkeypatch.chdir(root)
+    assert open_workspace(None) == Workspace(root=root)
+
+
+@pytest.mark.parametrize("inside", [".", "src", "src/notes", "src/notes/deep"])
+@pytest.mark.parametrize("content", ["", "README.md", "robot/CMakeLists.txt"])
+def test_nobody_is_taken_upwards_past_a_source_folder_without_packages(
+    content: str, inside: str, tmp_path: Path
+) -> None:
+    write_package(tmp_path, "tool")
+    inner = tmp_path / "src" / "experiments" / "ws"
+    (inner / inside).mkdir(parents=True)
+    (inner / "src").mkdir(exist_ok=True)
+    if content:
+        (inner / "src" / content).parent.mkdir(exist_ok=True)
+        (inner / "src" / content).touch()
+    assert find_workspace(inner / inside) == Workspace(root=inner)
+
+
+def test_the_firmware_of_a_package_is_no_workspace(root: Path) -> None:
+    firmware = root / "src" / "demo" / "firmware"
+    (firmware / "src" / "main").mkdir(parents=True)
+    assert find_workspace(firmware) == Workspace(root=root)
+    assert find_workspace(firmware / "src" / "main") == Workspace(root=root)
+
+
+def test_the_nearest_marks_count(root: Path) -> None:
+    for folder in (root.parent, root.parent / "other", root.parent / "other" / "deep"):
+        (folder / "install").mkdir(parents=True)
+        (folder / "install" / ".colcon_install_layout").write_text("isolated\n")
+    (root.parent / "other" / "deep" / "here").mkdir()
+    found = find_workspace(root.parent / "other" / "deep" / "here")
+    assert found == Workspace(root=root.parent / "other" / "deep")
+
+
+def test_a_package_that_is_a_link_is_in_the_workspace_that_the_shell_shows(
+    root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept = root.parent / "kept"
+    (root / "src" / "demo").rename(kept)
+    (root / "src" / "demo").symlink_to(kept)
+    monkeypatch.chdir(root / "src" / "demo")
+    monkeypatch.setenv("PWD", str(root / "src" / "demo"))
+    assert open_workspace(None) == Workspace(root=root)
+    monkeypatch.setenv("PWD", str(root))  # as a program that has changed the folder leaves it
+    assert open_workspace(None) == Workspace(root=kept)
 
 
 def test_the_folders(root: Path) -> None:
@@ -52,42 +142,20 @@ def test_an_empty_source_folder_is_a_beginning(tmp_path: Path) -> None:
     assert find_workspace(tmp_path / "ws" / "src") == Workspace(root=tmp_path / "ws")
 
 
-def test_the_source_folder_of_something_else_is_not(tmp_path: Path) -> None:
-    (tmp_path / "project" / "src" / "project").mkdir(parents=True)
-    assert find_workspace(tmp_path / "project" / "src") is None
-
-
-@pytest.mark.parametrize("inside", [".", "src", "src/notes", "src/group/repository/src/code"])
-def test_a_source_folder_without_packages_belongs_to_a_workspace(
-    inside: str, tmp_path: Path
-) -> None:
-    root = tmp_path / "ws"
-    (root / inside).mkdir(parents=True)
-    (root / "src").mkdir(exist_ok=True)
-    (root / "src" / "README.md").touch()
-    assert workspace_of_source_folder(root / inside) == Workspace(root=root)
-
-
-def test_a_folder_beside_the_source_folder_is_in_no_workspace(tmp_path: Path) -> None:
-    for name in ("src", "docs"):
-        (tmp_path / "ws" / name).mkdir(parents=True)
-    assert workspace_of_source_folder(tmp_path / "ws" / "docs") is None
-
-
 @pytest.mark.parametrize(
     "marker", ["pyproject.toml", "Cargo.toml", "CMakeLists.txt", "package.xml"]
 )
 def test_the_source_folder_of_another_project(marker: str, tmp_path: Path) -> None:
     (tmp_path / "project" / "src" / "project").mkdir(parents=True)
     (tmp_path / "project" / marker).touch()
-    assert workspace_of_source_folder(tmp_path / "project" / "src") is None
-    assert workspace_of_source_folder(tmp_path / "project") is None
+    assert find_workspace(tmp_path / "project" / "src") is None
+    assert find_workspace(tmp_path / "project") is None
 
 
 def test_the_source_folder_at_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HOME", str(tmp_path))
     (tmp_path / "src" / "linux").mkdir(parents=True)
-    assert workspace_of_source_folder(tmp_path / "src" / "linux") is None
+    assert find_workspace(tmp_path / "src" / "linux") is None
 
 
 def test_a_package_is_no_workspace(root: Path) -> None:
@@ -124,7 +192,9 @@ def test_the_home_folder_needs_evidence(root: Path) -> None:
     assert find_workspace(home / "letters") is None
     (home / "build").mkdir()
     (home / "build" / ".built_by").write_text("colcon\n")
-    assert find_workspace(home / "letters") == Workspace(root=home)
+    assert find_workspace(home / "letters") is None  # a build at home is a mistake more often
+    assert find_workspace(home / "src" / "loose") == Workspace(root=home)
+    assert find_workspace(home) == Workspace(root=home)
 
 
 def test_an_ignored_folder_is_no_workspace(root: Path) -> None:
@@ -253,12 +323,12 @@ def test_opening_where_the_package_has_no_manifest(
     (root / "src" / "demo" / "package.xml").unlink()
     monkeypatch.chdir(root.parent / inside)
     with pytest.raises(NotFoundError) as raised:
-        open_workspace(None)
+        refuse_empty(open_workspace(None))
     assert raised.value.message.startswith(f"{root / 'src' / 'demo'} has no package.xml")
 
 
 def test_a_clone_is_taken_for_a_workspace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The repository around; without one the package with those beside it, or what is below."""
+    """The package around, or what is below; what is beside it or in its repository is looked up."""
     home, clone = tmp_path / "home", tmp_path / "home" / "clone"
     monkeypatch.setenv("HOME", str(home))
     (home / ".git").mkdir(parents=True)
@@ -275,7 +345,13 @@ def test_a_clone_is_taken_for_a_workspace(tmp_path: Path, monkeypatch: pytest.Mo
     ]
     monkeypatch.chdir(clone)
     assert open_workspace(None) == Workspace(root=clone)
+    monkeypatch.chdir(inside[0])
+    place = open_workspace(None)
+    assert place == Workspace(root=clone / "robots" / "rover")
+    assert with_surroundings(place) == (Workspace(root=clone / "robots"), place)
     (clone / ".git").mkdir()
+    assert open_workspace(None) == place
+    assert with_surroundings(place) == (Workspace(root=clone), place)
     assert [find_source_tree(folder) for folder in inside] == [Workspace(root=clone)] * 3
     assert find_source_tree(home) is None
     (clone / "COLCON_IGNORE").touch()  # then colcon finds nothing from there
@@ -285,5 +361,5 @@ def test_a_clone_is_taken_for_a_workspace(tmp_path: Path, monkeypatch: pytest.Mo
 def test_opening_where_there_is_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "somewhere" / "src").mkdir(parents=True)
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(NotFoundError, match="No colcon workspace was found around"):
+    with pytest.raises(NotFoundError, match="is not in a colcon workspace"):
         open_workspace(None)

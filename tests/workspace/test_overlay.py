@@ -109,6 +109,16 @@ def test_of_packages_with_one_name_the_nearest_counts(tmp_path: Path) -> None:
             assert overlay.share("demo") == found
 
 
+def test_packages_around_the_one_of_a_clone_are_looked_up(tmp_path: Path) -> None:
+    beside = write_package(tmp_path / "clone" / "common", "common")
+    write_package(tmp_path / "outside")
+    package = write_package(tmp_path / "clone" / "robots", "robot")
+    (tmp_path / "clone" / ".git").mkdir()
+    with open_overlay([Workspace(root=package)], outside()) as overlay:
+        found = {name: overlay.share(name) for name in ("robot", "common", "demo")}
+    assert found == {"robot": package, "common": beside, "demo": None}
+
+
 @pytest.mark.parametrize("known", [True, False])
 def test_a_package_that_nobody_knows(workspace: Workspace, known: bool) -> None:
     overlay = source_overlay(workspace, outside())

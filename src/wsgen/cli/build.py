@@ -88,11 +88,12 @@ def build_workspace(
     from wsgen.build.without_ros import NOT_COMPILED
     from wsgen.cli.output import render_alike, render_diagnostics
     from wsgen.cli.progress import listening
-    from wsgen.cli.words import next_command
+    from wsgen.cli.words import announce_place, next_command
     from wsgen.diagnostics import Severity
     from wsgen.workspace.layout import open_workspace
 
     place = open_workspace(workspace)
+    announce_place(place, workspace)
     with listening(quiet=quiet, verbose=verbose) as listener:
         result = build(
             place,

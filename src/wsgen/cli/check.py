@@ -154,6 +154,7 @@ def command(
         outcome, reported = run()
         fixed, plan = 0, None
         if fix:
+            _announce(paths, workspace)
             outcome, reported, fixed = _fix_all(outcome, reported, run, make_plan)
     if not fix and (diff or (output_format == "text" and not quiet and reported.diagnostics)):
         plan = make_plan(outcome, reported)
@@ -179,6 +180,15 @@ def command(
     failing = {Severity.ERROR, *([Severity.WARNING] if strict else [])}
     is_failed = any(found.severity in failing for found in reported.diagnostics)
     return EXIT_FAILED if is_failed else EXIT_PASSED
+
+
+def _announce(paths: tuple[str, ...], workspace: str | None) -> None:
+    """Say whose files will be fixed, where no path does."""
+    from wsgen.cli.words import announce_place
+    from wsgen.workspace.layout import open_workspace
+
+    if not paths:
+        announce_place(open_workspace(workspace), workspace)
 
 
 def _write_summary(outcome: CheckOutcome, reported: Reported, file: str | None) -> None:

@@ -113,6 +113,9 @@ def command(
     verbose: bool,
 ) -> int:
     """Create a package with a robot, and a workspace if none exists."""
+    from functools import partial
+
+    from wsgen.cli.words import announce_place
     from wsgen.pipeline.create import create
 
     if output_format == "json" and (then_build or then_validate):
@@ -132,6 +135,7 @@ def command(
         maintainer_email=maintainer_email,
         workflow_service=ci,
         is_dry_run=dry_run,
+        announce=partial(announce_place, given=workspace),
     )
     _print_notes(created, verbose=verbose)
     goes_on = then_build or then_validate

@@ -330,7 +330,7 @@ def open_workspace_of(given: str | Workspace | None, request: ValidateRequest) -
         return given
     has_only_files = bool(request.files) and not request.packages
     try:
-        return open_workspace(given, takes_clone=not has_only_files)
+        return open_workspace(given, takes_packages=not has_only_files)
     except (NotFoundError, RequestError):
         if given is None and has_only_files:
             return None

@@ -83,6 +83,19 @@ def next_command(workspace: Workspace, *commands: str) -> str:
     return " && ".join(commands)
 
 
+def announce_place(workspace: Workspace, given: str | None) -> None:
+    """Say which workspace will be written to, where it is around the current folder.
+
+    Not if it was `given`.
+    """
+    from wsgen.workspace.layout import current_folder
+
+    here = current_folder()
+    if given is None and workspace.root in here.parents:
+        name = click.format_filename(workspace.root)
+        click.echo(f"note: The current folder is in the workspace {name}, which is used.", err=True)
+
+
 def engine_words(request: ValidateRequest) -> list[str]:
     """`--engine`, unless it is the default."""
     from wsgen.cli.options import chosen_engines

@@ -18,6 +18,8 @@ from wsgen.workspace.layout import (
     ignored_below,
     open_workspace,
     read_package,
+    refuse_missing_manifest,
+    with_surroundings,
     workspace_around,
 )
 from wsgen.workspace.robot_files import find_descriptions
@@ -52,7 +54,8 @@ def find_targets(paths: Sequence[Path], workspace: str | None = None) -> Targets
     if not paths:
         place = open_workspace(workspace)
         found = _require_packages(place)
-        return Targets(packages=found, workspaces=(place,), inventories={place: found})
+        around = with_surroundings(place)
+        return Targets(packages=found, workspaces=around, inventories={place: found})
     packages: dict[Path, PackageFolder] = {}
     installed: dict[Path, PackageFolder] = {}
     prefixes: dict[Path, None] = {}
@@ -110,6 +113,7 @@ def _require_packages(place: Workspace) -> tuple[PackageFolder, ...]:
     packages = find_packages(place)
     if not packages:
         _refuse_ignored(place.root)
+        refuse_missing_manifest([place.root])
         raise NotFoundError(
             f"{place.root} has no ROS package.",
             hint="Give a folder with packages, or a file: wsgen check robot.urdf",

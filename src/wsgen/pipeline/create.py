@@ -24,14 +24,14 @@ from wsgen.values import NamedTuple
 from wsgen.workspace.layout import (
     Workspace,
     check_workspace_path,
+    current_folder,
     find_packages,
     find_workspace,
     spawned_entities,
-    workspace_of_source_folder,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from wsgen.model.package import Maintainer, PackageSpec
     from wsgen.model.target import Target
@@ -70,11 +70,12 @@ def create(  # noqa: PLR0913  the words of the request, all by keyword
     maintainer_email: str | None,
     workflow_service: str | None,
     is_dry_run: bool,
+    announce: Callable[[Workspace], None],
 ) -> CreatedPackage:
     """Write a package, and the workspace around it if it does not exist.
 
     `template_name` may be the folder of a template, `settings` are KEY=VALUE for its variables.
-    None stands for a default.
+    None stands for a default. `announce` is called with the workspace before anything is written.
 
     Raises:
         RequestError: The name, template, license, a setting or the workspace cannot be used.
@@ -100,6 +101,7 @@ def create(  # noqa: PLR0913  the words of the request, all by keyword
     refuse_files(workflow, workspace.root)
     ignored, kept = _ignore_files(workspace)
     tree = _render(spec, template)
+    announce(workspace)
     if not is_dry_run:
         with adding_files(workflow, workspace.root, where_missing=ignored):
             write_package(tree, folder)
@@ -124,16 +126,10 @@ def choose_workspace(given: str | None) -> Workspace:
             packages.
     """
     if given is None:
-        here = Path.cwd()
-        return (
-            find_workspace(here)
-            or workspace_of_source_folder(here)
-            or Workspace(root=here / DEFAULT_WORKSPACE)
-        )
+        here = current_folder()
+        return find_workspace(here) or Workspace(root=here / DEFAULT_WORKSPACE)
     root = Path(given).expanduser().absolute()
     around = find_workspace(root)
-    if around is None and root.name == "src":
-        around = workspace_of_source_folder(root)
     if around is not None and (root == around.source or around.source in root.parents):
         raise RequestError(
             f"{root} lies among the packages of the workspace {around.root}.",

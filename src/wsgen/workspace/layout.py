@@ -42,11 +42,7 @@ def refuse_missing_manifest(roots: Iterable[Path]) -> None:
 
 
 def _without_manifest(source: Path) -> Iterator[Path]:
-    try:
-        folders = sorted(source.iterdir())
-    except OSError:
-        return
-    for folder in folders:
+    for folder in _folders_in(source):
         if not (folder / "package.xml").exists() and any(
             (folder / name).exists() for name in EVIDENCE
         ):
@@ -55,6 +51,7 @@ def _without_manifest(source: Path) -> Iterator[Path]:
 
 INSTALL_LAYOUT = ".colcon_install_layout"  # colcon writes it into an install space
 BUILT_BY = ".built_by"  # and this into a build space
+LOG_OF_BUILD = "latest_build"  # a link to the log of the last `colcon build`
 WRITTEN_BY_COLCON = (INSTALL_LAYOUT, BUILT_BY)
 IGNORE_MARKERS = frozenset({"COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE"})
 VIRTUAL_ENVIRONMENT = "pyvenv.cfg"  # that `python -m venv` and its like write
@@ -125,14 +122,13 @@ class Inventory:
     has_python: bool = False  # colcon needs its extensions for Python packages
 
 
-def open_workspace(given: str | None, *, takes_clone: bool = True) -> Workspace:
-    """Return the workspace at the given folder, or else the one around or in the current folder.
+def open_workspace(given: str | None, *, takes_packages: bool = True) -> Workspace:
+    """Return the workspace at the given folder, or else that of the current folder.
 
-    Where no workspace is, the clone or package around the current folder counts as one, unless
-    `takes_clone` is False.
-
-    A workspace in the current folder counts if it is the only one, so that users need not change
-    the folder after `wsgen new`. A given folder must be the workspace itself, as for `wsgen new`.
+    It is the one that `find_workspace` finds. Else it is the only one in the current folder, so
+    that users need not change the folder after `wsgen new`; or else, unless `takes_packages` is
+    False, the package around the current folder or the folder itself, if it has packages. A given
+    folder must be the workspace itself, as for `wsgen new`.
 
     Raises:
         NotFoundError: no workspace was found.
@@ -147,7 +143,7 @@ def open_workspace(given: str | None, *, takes_clone: bool = True) -> Workspace:
             )
         _refuse_surroundings(root)
         return Workspace(root=root)
-    here = Path.cwd()
+    here = current_folder()
     workspace = find_workspace(here)
     if workspace is not None:
         return workspace
@@ -157,16 +153,35 @@ def open_workspace(given: str | None, *, takes_clone: bool = True) -> Workspace:
             f"{here} has several colcon workspaces.",
             hint=f"Change into one, or choose: -w {' | '.join(folder.name for folder in inside)}",
         )
-    tree = _find_clone(here) if takes_clone and not inside else None
-    if tree is not None:
-        return tree
-    if not inside:
-        refuse_missing_manifest((here, *here.parents, *sorted(here.iterdir())))
-        raise NotFoundError(
-            f"No colcon workspace was found around {here} or in it.",
-            hint="Change into one, name it with --workspace, or create one: wsgen new PACKAGE",
-        )
-    return Workspace(root=inside[0])
+    if inside:
+        return Workspace(root=inside[0])
+    if takes_packages:
+        package = _package_around(here)
+        if package is not None or (not _is_exposed(here) and _holds_packages(here)):
+            return Workspace(root=package or here)
+    refuse_missing_manifest((here, *_folders_in(here)))
+    above = next((one for one in here.parents if not _is_exposed(one) and _is_workspace(one)), None)
+    raise NotFoundError(
+        f"{here} is not in a colcon workspace, and has none.",
+        hint="Change into one, name it with --workspace, or create one: wsgen new PACKAGE"
+        if above is None
+        else f"{here.name} is outside of the src of {above}. To use that workspace: "
+        f"-w {shlex.quote(str(above))}",
+    )
+
+
+def current_folder() -> Path:
+    """The current folder by the links through which the shell has entered it.
+
+    A package that is a link in `src` is in that workspace for who has changed into it there.
+    """
+    shown = os.environ.get("PWD", "")
+    try:
+        if os.path.isabs(shown) and os.path.samefile(shown, "."):  # noqa: PTH117, PTH121
+            return Path(os.path.normpath(shown))
+    except OSError:
+        pass
+    return Path.cwd()
 
 
 def workspace_if_any(given: str | None) -> Workspace | None:
@@ -188,24 +203,31 @@ def workspace_if_any(given: str | None) -> Workspace | None:
 
 
 def find_workspace(start: Path) -> Workspace | None:
-    """Find the workspace that a folder is in: the nearest one around it, itself included.
+    """Find the workspace that a folder is or lies in; None if there is none.
 
-    A folder is a workspace if its `src` has packages or is empty, or if colcon has built in it. A
-    build inside `src`, by mistake, does not hide the workspace around it.
+    It is the nearest folder of these: the folder itself, if its `src` has packages or is that of no
+    other project; one above it in whose `src` it lies; and one in which colcon has built. A build
+    inside `src`, by mistake, does not hide the workspace around it.
     """
     start = start.absolute()
     marked: Workspace | None = None
+    package = _package_around(start)
     for folder in (start, *start.parents):
-        if marked is not None and start != folder / "src" and folder / "src" not in start.parents:
+        source = folder / "src"
+        is_inside = start == source or source in start.parents
+        is_of_home = _is_exposed(folder) and not (is_inside or start == folder)
+        if _exists(folder / "COLCON_IGNORE"):
             continue
-        if (folder / "package.xml").is_file() or (folder / "COLCON_IGNORE").exists():
+        has_marks = not is_of_home and _is_marked(folder)
+        if has_marks and marked is None:
+            marked = Workspace(root=folder)
+        if not (is_inside or start == folder) or _exists(folder / "package.xml"):
             continue
-        is_exposed = _is_exposed(folder)
-        if _is_marked(folder):
-            if marked is None:
-                marked = Workspace(root=folder)
-            is_exposed = False
-        if not is_exposed and _has_source(folder):
+        if _is_exposed(folder) and not has_marks:
+            continue
+        # What is in `src` instead of packages may be the code of a project or of a package.
+        is_code = marked or not _may_hold_packages(folder) or package in folder.parents
+        if _has_source(folder) or (not is_code and source.is_dir()):
             return Workspace(root=folder)
     return marked
 
@@ -215,6 +237,15 @@ def workspace_around(folder: Path) -> Workspace | None:
     return find_workspace(folder) or find_source_tree(folder)
 
 
+def with_surroundings(workspace: Workspace) -> tuple[Workspace, ...]:
+    """The workspace, after the clone that has it where it is a single package.
+
+    What it needs may be a package beside it. Nothing is written there.
+    """
+    tree = find_source_tree(workspace.root) if _exists(workspace.root / "package.xml") else None
+    return (workspace,) if tree in {None, workspace} else (tree, workspace)
+
+
 def find_source_tree(start: Path) -> Workspace | None:
     """Find the packages that a folder belongs to where no workspace is: those of a clone.
 
@@ -222,8 +253,8 @@ def find_source_tree(start: Path) -> Workspace | None:
     """
     start = start.absolute()
     folders = [folder for folder in (start, *start.parents) if not _is_exposed(folder)]
-    package = next((folder for folder in folders if (folder / "package.xml").is_file()), None)
-    repository = next((folder for folder in folders if (folder / ".git").exists()), None)
+    package = _package_around(start)
+    repository = next((folder for folder in folders if _exists(folder / ".git")), None)
     if repository is not None and _holds_packages(repository, package):
         return Workspace(root=repository)
     if package is None:
@@ -234,32 +265,19 @@ def find_source_tree(start: Path) -> Workspace | None:
     return Workspace(root=beside if is_whole else package)
 
 
-def _find_clone(here: Path) -> Workspace | None:
-    """Find the packages around a folder, or in it, as colcon takes any folder for a workspace."""
-    is_clone = not _is_exposed(here) and _holds_packages(here)
-    return find_source_tree(here) or (Workspace(root=here) if is_clone else None)
-
-
-def workspace_of_source_folder(start: Path) -> Workspace | None:
-    """Find the workspace that a folder is in by the name `src` alone, whatever `src` holds.
-
-    It is for writing a package where `find_workspace` finds no evidence. The folder has `src`, or
-    is in it. Of several the outermost counts, as a workspace is never inside `src`. The home folder
-    and folders of other projects are not workspaces.
-    """
-    start = start.absolute()
-    found: Workspace | None = None
-    for folder in (start, *start.parents):
-        source = folder / "src"
-        is_near = start in (folder, source) or source in start.parents
-        if is_near and source.is_dir() and _may_hold_packages(folder):
-            found = Workspace(root=folder)
-    return found
+def _package_around(start: Path) -> Path | None:
+    folders = (folder for folder in (start, *start.parents) if not _is_exposed(folder))
+    return next((folder for folder in folders if _exists(folder / "package.xml")), None)
 
 
 def _may_hold_packages(folder: Path) -> bool:
     markers = PROJECT_MARKERS | IGNORE_MARKERS
-    return not _is_exposed(folder) and not any((folder / name).exists() for name in markers)
+    return not any(_exists(folder / name) for name in markers)
+
+
+def _exists(path: Path) -> bool:
+    """Whether it exists; not where a folder above the current one cannot be entered."""
+    return os.path.exists(path)  # noqa: PTH110  pathlib raises an error there
 
 
 def _is_exposed(folder: Path) -> bool:
@@ -381,24 +399,29 @@ def _refuse_surroundings(root: Path) -> None:
 
 
 def _workspaces_in(folder: Path) -> list[Path]:
-    return [path for path in sorted(folder.iterdir()) if _is_workspace(path)]
+    return [path for path in _folders_in(folder) if _is_workspace(path)]
+
+
+def _folders_in(folder: Path) -> list[Path]:
+    try:
+        return [path for path in sorted(folder.iterdir()) if path.is_dir()]
+    except OSError:
+        return []
 
 
 def _is_workspace(folder: Path) -> bool:
     """Whether a folder is a workspace with packages."""
-    return (
-        folder.is_dir()
-        and not (folder / "COLCON_IGNORE").exists()
-        and _holds_packages(folder / "src")
-    )
+    return not (
+        _exists(folder / "COLCON_IGNORE") or _exists(folder / "package.xml")
+    ) and _holds_packages(folder / "src")
 
 
 def _is_marked(folder: Path) -> bool:
     """Whether colcon has built or installed here."""
+    if _exists(folder / "install" / INSTALL_LAYOUT) or _exists(folder / "log" / LOG_OF_BUILD):
+        return True
     try:
-        return (folder / "install" / INSTALL_LAYOUT).is_file() or (
-            folder / "build" / BUILT_BY
-        ).read_text(encoding="utf-8").strip() == "colcon"
+        return (folder / "build" / BUILT_BY).read_text(encoding="utf-8").strip() == "colcon"
     except (OSError, ValueError):
         return False
 

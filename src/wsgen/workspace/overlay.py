@@ -17,7 +17,7 @@ from wsgen.isolation.parent import make_scratch
 from wsgen.source_shares import INDEX, is_used, note_use, serve_sources
 from wsgen.suggestions import advice, suggest
 from wsgen.values import dataclass
-from wsgen.workspace.layout import Workspace, find_packages, ignored_package
+from wsgen.workspace.layout import Workspace, find_packages, ignored_package, with_surroundings
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -183,7 +183,8 @@ def open_overlay(
 ) -> Iterator[Overlay]:
     """Source the workspaces, as far as they are built, the last one over the others.
 
-    The source folders of their other packages serve as share folders while the context is open. Of
+    The source folders of their other packages, and of those around a workspace that is a package
+    in a clone, serve as share folders while the context is open. Of
     packages with one name the one that `near` lies in counts, else the first.
 
     Raises:
@@ -191,10 +192,12 @@ def open_overlay(
         NotReadableError: a setup file fails.
     """
     overlay = overlay_of(environment)
-    places = tuple(workspaces)
+    places = tuple(
+        dict.fromkeys(place for workspace in workspaces for place in with_surroundings(workspace))
+    )
     sources: dict[str, Path] = {}
     built: set[str] = set()
-    for workspace in workspaces:
+    for workspace in places:
         if any((workspace.install / setup).is_file() for setup in SETUPS.values()):
             overlay = source_overlay(workspace, overlay.environment)
         for package in find_packages(workspace):
