@@ -1701,7 +1701,7 @@ NOT_PLANTED: dict[str, tuple[str, ...]] = {
     "an example that shows a part of what is wrong": (
         *("WLD014", "WLD060", "LCH024", "LCH090", "SPN001", "SPN091"),
     ),
-    "a launch that is started": ("LCH091",),
+    "a launch that is started": ("LCH091", "LCH100", "LCH101"),
     "several packages": ("PKG090",),
     "a launch file that runs for long, or in two processes": ("LCH012", "LCH025"),
 }

@@ -538,7 +538,10 @@ def test_what_is_no_robot_or_world_of_this_gazebo(tmp_path: Path) -> None:
 def test_what_worlds_have_elsewhere_or_download(tmp_path: Path) -> None:
     package = write_package(tmp_path)
     mesh = "<link name='a'><collision name='c'><geometry><mesh><uri>{}</uri></mesh></geometry>"
-    meshes = ("model://others_can/can.stl", "https://fuel.gazebosim.org/1.0/o/models/can/can.stl")
+    meshes = (
+        "model://others_can/can.stl",
+        "https://fuel.gazebosim.org/1.0/o/models/can/1/files/can.stl",
+    )
     models = [
         f"<model name='m{i}'>{mesh.format(uri)}</collision></link></model>"
         for i, uri in enumerate(meshes)
@@ -550,10 +553,10 @@ def test_what_worlds_have_elsewhere_or_download(tmp_path: Path) -> None:
     world = f"<sdf version='1.6'><world name='w'>\n{lines}</world></sdf>"
     file = package / "worlds" / "w.world"
     file.write_text(world)
-    found = only(package, "missing-collision-mesh", "model-left-out")
+    found = only(package, "missing-collision-mesh", "model-left-out", "model-from-network")
     assert sorted(found) == [
-        ("missing-collision-mesh", "info"),
         ("missing-collision-mesh", "warning"),
+        *[("model-from-network", "info")] * 2,  # the meshes, and the includes
         *[("model-left-out", "info")] * 3,
     ]
     file.write_text(world.replace("model://others_can/", "meshes/"))

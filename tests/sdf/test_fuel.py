@@ -8,7 +8,7 @@ import pytest
 
 from wsgen.diagnostics import Severity
 from wsgen.sdf.lookup import Address, address_of, find_in_cache, model_finder
-from wsgen.sdf.models import read_sdf
+from wsgen.sdf.models import read_model, read_sdf
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -105,3 +105,23 @@ def test_what_was_not_loaded_yet(tmp_path: Path) -> None:
     assert (found.code, found.severity, found.line) == ("WLD004", Severity.WARNING, 2)
     assert f"gz fuel download -u '{TREE}'" in (found.hint or "")
     assert "GZ_SIM_RESOURCE_PATH" in (found.hint or "")
+
+
+def test_meshes_that_gazebo_downloads(tmp_path: Path) -> None:
+    mesh = f"<geometry><mesh><uri>{TREE}/1/files/tree.obj</uri></mesh></geometry>"
+    link = LINK.format(f'<collision name="c">{mesh}</collision><visual name="v">{mesh}</visual>')
+    model = f'<model name="tree">\n{link}</model>'
+    find_model = model_finder(tmp_path / "w.sdf", {"HOME": str(tmp_path)})
+    world = read_sdf(
+        tmp_path / "w.sdf",
+        find_model=find_model,
+        content=f'<sdf version="1.9"><world name="w">{model}</world></sdf>',
+    )
+    (found,) = world.diagnostics
+    assert (found.code, found.severity) == ("WLD066", Severity.INFO)
+    assert "Pine Tree" in found.message
+    assert world.models == ()  # it would fall through the ground
+    spawned = read_model(
+        f'<sdf version="1.9">{model}</sdf>', file=None, find_model=find_model
+    ).diagnostics
+    assert [(one.code, one.severity) for one in spawned] == [("WLD066", Severity.WARNING)]

@@ -12,7 +12,7 @@ from wsgen.model.facts import DISTROS
 from wsgen.model.gazebo_systems import is_of_classic, is_of_gz, remark_on, system_of
 from wsgen.model.target import Target
 from wsgen.rules.materials import WITHOUT_COLOR_NAMES
-from wsgen.sdf.includes import is_ground_plane, is_sun
+from wsgen.sdf.includes import FUEL_MODEL, is_ground_plane, is_sun
 from wsgen.sdf.source import line_of, path_of
 from wsgen.suggestions import some_of
 from wsgen.xmltree import child_text, children
@@ -69,19 +69,6 @@ UNKNOWN_SYSTEM = Rule(
     why="Gazebo prints that it failed to load the system, and goes on without it.",
     example='<plugin filename="gz-sim-imu-system" name="gz::sim::systems::IMU"/>',
     instead='<plugin filename="gz-sim-imu-system" name="gz::sim::systems::Imu"/>',
-)
-FUEL_MODEL = Rule(
-    code="WLD066",
-    name="model-from-network",
-    severity=Severity.INFO,
-    summary="A world takes models from the network.",
-    why="The first start of the world downloads them, and fails on a machine without network, as "
-    "tests often run on.",
-    example="<include>\n"
-    "  <uri>https://fuel.gazebosim.org/1.0/OpenRobotics/models/Table</uri>\n"
-    "</include>",
-    instead="<!-- the folder `table` is in GZ_SIM_RESOURCE_PATH -->\n"
-    "<include>\n  <uri>model://table</uri>\n</include>",
 )
 MODEL_OF_CLASSIC = Rule(
     code="WLD067",

@@ -87,6 +87,21 @@ DATABASE_MODELS = Rule(
     "or GZ_SIM_RESOURCE_PATH.",
 )
 
+FUEL_MODEL = Rule(
+    code="WLD066",
+    name="model-from-network",
+    severity=Severity.INFO,
+    severity_varies="a warning about a collision of a robot",
+    summary="A world takes models from the network.",
+    why="The first start of the world downloads them, and fails on a machine without network, as "
+    "tests often run on.",
+    example="<include>\n"
+    "  <uri>https://fuel.gazebosim.org/1.0/OpenRobotics/models/Table</uri>\n"
+    "</include>",
+    instead="<!-- the folder `table` is in GZ_SIM_RESOURCE_PATH -->\n"
+    "<include>\n  <uri>model://table</uri>\n</include>",
+)
+
 # Their Fuel addresses end in the same words, with capitals and a blank.
 GROUND_PLANE = "ground_plane"
 SUN = "sun"
@@ -152,6 +167,7 @@ class Includes:
         self._near_models: dict[str, str | None] = {}  # by the address that is not found
         self._misspelled_ground: int | None = None  # the place of the diagnostic about it
         self._of_gazebo: dict[str, tuple[Source, Element]] = {}  # where each is named first
+        self._of_network: dict[str, tuple[Source, Element]] = {}  # likewise
         self.left_out: set[Element] = set()  # includes that gave nothing, which is reported
         self.solids_left_out = 0  # collisions and parts that only Gazebo finds
 
@@ -176,39 +192,66 @@ class Includes:
 
     @property
     def has_left_to_gazebo(self) -> bool:
-        """Whether a model of Gazebo's database is not found; it may be what robots stand on."""
-        return bool(self._of_gazebo)
+        """Whether what only Gazebo finds is not here; it may be what robots stand on."""
+        return bool(self._of_gazebo or self._of_network)
 
     def leave_to_gazebo(
         self, source: Source, element: Element, uri: str, *, is_solid: bool
     ) -> bool:
-        """Whether a model or mesh that is not found is one of Gazebo's database.
+        """Whether a model or mesh that is not found is one of Gazebo's database, or a download.
 
         `is_solid` says that the model that names it cannot stand without it.
         """
         scheme, _, rest = uri.partition("://")
         name = rest.partition("/")[0]
-        if scheme != "model" or name not in gazebo_models() or self._folder(f"model://{name}"):
+        address = address_of(uri) if element.tag == "mesh" else None
+        if address is not None:
+            self._of_network.setdefault(address.name, (source, element))
+        elif scheme == "model" and name in gazebo_models() and not self._folder(f"model://{name}"):
+            self._of_gazebo.setdefault(name, (source, element))
+        else:
             return False
-        self._of_gazebo.setdefault(name, (source, element))
         self.solids_left_out += is_solid
         return True
 
-    def report_left_to_gazebo(self) -> None:
-        """Report all models of Gazebo's database that are not found, in one diagnostic."""
-        if not self.has_left_to_gazebo:
-            return
-        source, element = next(iter(self._of_gazebo.values()))
-        names = list(self._of_gazebo)
-        more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
-        source.report(
-            DATABASE_MODELS,
-            "Models of the database of Gazebo are not on this machine: "
-            f"{', '.join(names[:MOST_NAMED])}{more}. The simulation does without them.",
-            at=element,
-            hint="Gazebo Classic downloads them by itself; Gazebo Sim needs their folders in "
-            "GZ_SIM_RESOURCE_PATH.",
-        )
+    def report_left_to_gazebo(self, *, is_robot: bool = False) -> None:
+        """Report all that only Gazebo finds, in one diagnostic for each place where it does.
+
+        `is_robot` says that it is part of what is spawned, not of the world around it.
+        """
+        severity = Severity.WARNING if is_robot and self.solids_left_out else None
+        for rule, models, what, hint in (
+            (
+                DATABASE_MODELS,
+                self._of_gazebo,
+                "Models of the database of Gazebo are not on this machine",
+                (
+                    "Gazebo Classic downloads them by itself; Gazebo Sim needs their folders in "
+                    "GZ_SIM_RESOURCE_PATH."
+                ),
+            ),
+            (
+                FUEL_MODEL,
+                self._of_network,
+                "Meshes of models that Gazebo downloads are not on this machine",
+                (
+                    "Download the models once with `gz fuel download -u URI` (Gazebo Fortress: "
+                    "`ign fuel`), or put their folders into one of GZ_SIM_RESOURCE_PATH."
+                ),
+            ),
+        ):
+            if models:
+                source, element = next(iter(models.values()))
+                names = list(models)
+                more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+                source.report(
+                    rule,
+                    f"{what}: {', '.join(names[:MOST_NAMED])}{more}. "
+                    "The simulation does without them.",
+                    at=element,
+                    hint=hint,
+                    severity=severity,
+                )
 
     def _find(
         self,

@@ -477,7 +477,7 @@ def read_model(
     source = parse_text(content, file, diagnostics)
     includes = Includes(find_model, diagnostics, with_devices=with_devices)
     found = None if source is None else _read_spawned(source, includes, pose_in_world)
-    includes.report_left_to_gazebo()
+    includes.report_left_to_gazebo(is_robot=True)
     return _finished(diagnostics, found)
 
 
