@@ -84,6 +84,113 @@ def test_messages_have_the_time_of_the_machine(
     assert all(began < stamp < time.time_ns() for _, stamp in found)
 
 
+# Publishes more quickly than the recorder writes, which it may stop meanwhile.
+SAY_MUCH = """
+import os, signal, sys
+import rclpy
+from rclpy.qos import QoSProfile
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import String
+
+recorder, depth, size = map(int, sys.argv[1:])
+rclpy.init()
+node = rclpy.create_node("one_who_says")
+publisher = node.create_publisher(String, "said", QoSProfile(depth=depth))
+clock = node.create_publisher(Clock, "clock", QoSProfile(depth=1000))
+while publisher.get_subscription_count() < 1 or clock.get_subscription_count() < 1:
+    rclpy.spin_once(node, timeout_sec=0.02)
+if recorder:
+    os.kill(recorder, signal.SIGSTOP)
+time = Clock()
+for second in range(1, 301):
+    time.clock.sec = second
+    clock.publish(time)
+    publisher.publish(String(data=f"{second} " + "x" * size))
+if recorder:
+    os.kill(recorder, signal.SIGCONT)
+for one in (publisher, clock):
+    assert one.wait_for_all_acked(rclpy.duration.Duration(seconds=60))
+"""
+
+
+def _record_much(
+    file: Path, variables: Mapping[str, str], depth: int, size: int, *, is_stopped: bool = False
+) -> tuple[list[tuple[int, int]], Recorded]:
+    """What is recorded of SAY_MUCH: the number of each message and its time in seconds."""
+    reader = pytest.importorskip("mcap.reader")
+    told: list[Recorded] = []
+    with recording_topics(file, PYTHON, variables, use_sim_time=True, recorded=told.append):
+        (recorder,) = [
+            process.name
+            for process in Path("/proc").iterdir()
+            if process.name.isdecimal()
+            and str(file).encode() in (process / "cmdline").read_bytes().split(b"\0")
+        ]
+        words = [PYTHON, "-c", SAY_MUCH, recorder if is_stopped else "0", str(depth), str(size)]
+        subprocess.run(words, cwd="/", env=dict(variables), check=True, timeout=300)
+    with file.open("rb") as stream:
+        found = [
+            # Behind 4 bytes of a header and the length.
+            (int(message.data[8:].split()[0]), round(message.log_time * 1e-9))
+            for _, _, message in reader.make_reader(stream).iter_messages("/said")
+        ]
+    (one,) = told
+    return sorted(found), one
+
+
+@pytest.mark.slow
+def test_a_recorder_that_is_behind_writes_all_with_the_time_at_which_it_was_sent(
+    tmp_path: Path, variables: Mapping[str, str]
+) -> None:
+    found, told = _record_much(tmp_path / "x.mcap", variables, 1000, 1)
+    assert [number for number, _ in found] == list(range(1, 301))
+    assert [pair for pair in found if abs(pair[1] - pair[0]) > 1] == []
+    assert told.lost == {}
+
+
+@pytest.mark.slow
+def test_messages_that_are_lost_are_counted(tmp_path: Path, variables: Mapping[str, str]) -> None:
+    found, told = _record_much(tmp_path / "x.mcap", variables, 1, 200_000, is_stopped=True)
+    first, last = found[0][0], found[-1][0]
+    assert last == 300
+    assert len(found) < 300
+    assert dict(told.lost) == {"/said": last - first + 1 - len(found)}
+
+
+def test_ctrl_c_ends_the_writing_of_what_waits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Recorder:
+        """Ends at the second signal."""
+
+        returncode = 0
+
+        def __init__(self, words: list[str], _python: Path, _variables: object, told: int) -> None:
+            del words
+            self.told = os.dup(told)
+            self.signals: list[int] = []
+            os.write(told, b"\n")
+
+        def send_signal(self, number: int) -> None:
+            self.signals.append(number)
+
+        def wait(self, _seconds: float | None = None) -> None:
+            if len(self.signals) == 1:
+                raise KeyboardInterrupt
+            os.write(self.told, b'[1.5, 20, {"/said": 3}]')
+            os.close(self.told)
+
+    monkeypatch.setattr("wsgen.live.recording._start", Recorder)
+    file = tmp_path / "x.mcap"
+    told: list[Recorded] = []
+    with (
+        pytest.raises(KeyboardInterrupt),
+        recording_topics(file, PYTHON, {}, use_sim_time=True, recorded=told.append),
+    ):
+        pass
+    assert told == [Recorded(file, 1.5, 20, {"/said": 3})]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("earlier", [b"of yesterday", None])
 def test_a_run_without_messages_keeps_the_earlier_recording(

@@ -113,6 +113,8 @@ def run(
                 click.echo(unwritten(one.file), err=True)
             elif not quiet:
                 click.echo(f"Recorded {written(one.file)}, {_opened_by(one)}", err=True)
+            if one.lost:
+                click.echo(_lacking(one), err=True)
 
         is_new = seconds is not None and page is None  # --view may be
         is_terminal = sys.stdout is not None and sys.stdout.isatty()
@@ -241,6 +243,15 @@ def _opened_by(one: Recorded) -> str:
         return f"{one.seconds:.1f} s. A browser or a video player opens it."
     play = shlex.join(["ros2", "bag", "play", "-s", "mcap", str(one.file)])
     return f"{one.seconds:.1f} s, {one.messages} messages. Foxglove opens it; where ROS is: {play}"
+
+
+def _lacking(one: Recorded) -> str:
+    """Say what a recording lacks."""
+    counts = ", ".join(f"{count} of {topic}" for topic, count in one.lost.items())
+    return (
+        f"warning: {one.file.name} lacks messages that were sent: {counts}. This machine was too "
+        "busy: lower --rate, or the rates and sizes of cameras."
+    )
 
 
 def _showing(

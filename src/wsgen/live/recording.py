@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import select
 import signal
 import subprocess
 from importlib.util import find_spec
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from wsgen.errors import NotFoundError, RequestError, SessionDiedError
@@ -25,7 +27,7 @@ MODULE = "wsgen.ros_nodes.recorder"
 READY = b"\n"  # what it writes when it records
 READ = 1 << 16  # bytes at once
 SECONDS_TO_START = 120.0  # wall-clock, on a busy machine
-SECONDS_TO_FINISH = 60.0  # wall-clock, for the index at the end of the file
+SECONDS_TO_FINISH = 60.0  # wall-clock, for the index at the end of a file that is interrupted
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,6 +49,7 @@ class Recorded(NamedTuple):
     file: Path
     seconds: float  # simulated, where something was
     messages: int | None = None  # None: of a video. 0: no file was written
+    lost: Mapping[str, int] = MappingProxyType({})  # messages that it lacks, by topic
 
 
 def choose_recordings(files: Sequence[Path]) -> Recordings:
@@ -137,13 +140,15 @@ def recording_topics(  # noqa: PLR0913  a request
             if (said := hears.read(READ)) == READY:
                 yield
         finally:
-            _end(recorder)
+            interrupt = _end(recorder)
         if said != READY or recorder.returncode != 0:
             why = (said + (hears.read(READ) or b"")).decode(errors="replace").strip()
             raise _failed(file, why or f"its process ended with {recorder.returncode}")
-        seconds, _, messages = (hears.read(READ) or b"").decode().partition(" ")
-        if messages:
-            recorded(Recorded(file, float(seconds), int(messages)))
+        with contextlib.suppress(ValueError):  # it said nothing
+            seconds, messages, lost = json.loads(hears.read(READ) or b"")
+            recorded(Recorded(file, seconds, messages, lost))
+        if interrupt is not None:
+            raise interrupt
 
 
 def _start(
@@ -161,14 +166,21 @@ def _start(
         raise parent.not_started(error) from error
 
 
-def _end(recorder: subprocess.Popen[bytes]) -> None:
+def _end(recorder: subprocess.Popen[bytes]) -> BaseException | None:
+    """Have it write what waits, however long that takes; gives the interrupt that ends that."""
     # While its interpreter starts, SIGINT would leave a traceback.
     recorder.send_signal(signal.SIGTERM)
     try:
-        recorder.wait(SECONDS_TO_FINISH)
-    except subprocess.TimeoutExpired:
-        recorder.kill()
         recorder.wait()
+    except (KeyboardInterrupt, SystemExit) as interrupt:  # what handlers of signals raise
+        recorder.send_signal(signal.SIGTERM)
+        try:
+            recorder.wait(SECONDS_TO_FINISH)
+        except subprocess.TimeoutExpired:
+            recorder.kill()
+            recorder.wait()
+        return interrupt
+    return None
 
 
 def _failed(file: Path, why: str) -> SessionDiedError:

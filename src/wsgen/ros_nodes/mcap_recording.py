@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import importlib
 import signal
+import struct
+import time
+from bisect import bisect_right
+from collections import Counter
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any, NamedTuple
 
 import rclpy
 from mcap.writer import Writer
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 from ament_index_python.packages import get_package_share_directory
@@ -20,71 +22,191 @@ from wsgen.ros_nodes.signals import ENDING, ignore_ends
 from wsgen.ros_nodes.simulator_time import SimulatorTime
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from rclpy.duration import Duration
     from rclpy.endpoint_info import TopicEndpointInfo
 
 
 LOOK_SECONDS = 0.2  # wall-clock, between two looks for new topics
+POLL_SECONDS = 0.02  # wall-clock, between two looks for messages where none waits
 DEPTH = 1000  # messages that wait for the recorder, at most; a full queue loses the oldest
 LIBRARY = "wsgen"
+CLOCK = ("/clock", "rosgraph_msgs/msg/Clock")
+SECONDS_AT_ONCE = 0.05  # wall-clock, in which messages of one topic are written
+SECONDS_TO_COME = 0.2  # wall-clock, for messages that are on their way when the recording ends
+SECONDS_OF_SILENCE = 1.0  # wall-clock, in which what waits is written before that is said
+SECONDS_TO_SAY_AGAIN = 5.0  # wall-clock
+MOST_TIMES = 200_000  # of /clock that are kept: 1000 s
+TIME, HEADER = struct.Struct("<iI"), 4  # of serialized messages, behind the order of their bytes
+
+
+class _SimulatedTimes:
+    """What the simulated time was when a message was sent; the wall-clock says when that was."""
+
+    def __init__(self) -> None:
+        self._sent: list[int] = []  # ns since 1970, rising
+        self._times: list[int] = []  # ns
+
+    def note(self, sent: int, simulated: int) -> None:
+        """Note the simulated time from then on."""
+        self._sent.append(max(sent, self._sent[-1]) if self._sent else sent)
+        self._times.append(simulated)
+        if len(self._sent) > MOST_TIMES:
+            del self._sent[: MOST_TIMES // 2], self._times[: MOST_TIMES // 2]
+
+    def reach(self, sent: int) -> bool:
+        """Whether a later time than that is noted, or that one."""
+        return bool(self._sent) and self._sent[-1] >= sent
+
+    def at(self, sent: int) -> int:
+        """The simulated time at that of the wall-clock; 0 where none is known."""
+        before = bisect_right(self._sent, sent)
+        return self._times[max(0, before - 1)] if self._times else 0
+
+
+class _Recording(NamedTuple):
+    """A topic that is recorded."""
+
+    topic: str
+    channel: int
+    profile: QoSProfile
+    subscription: Any
+    is_clock: bool
 
 
 class Recorder(Node):
-    """Subscribes to every topic and writes what comes."""
+    """Subscribes to every topic and writes what comes.
+
+    It takes all that waits of a topic at once, without an executor, which takes one message of each
+    topic a turn: those of quick topics would pile up on a busy machine. Messages have the time at
+    which they were sent, not that at which they are written.
+    """
 
     def __init__(
         self, writer: Writer, *, use_sim_time: bool, simulator: SimulatorTime | None = None
     ) -> None:
         super().__init__(
             "_wsgen_recorder",  # hidden, as its subscriptions are nobody's business
-            parameter_overrides=[Parameter("use_sim_time", value=use_sim_time)],
             enable_rosout=False,
             start_parameter_services=False,
         )
         self._writer = writer
-        self._simulator = simulator
+        self._simulator = simulator  # None: it is not asked, because there is a /clock
         self._schemas: dict[str, int] = {}  # by type
-        self._topics: set[str] = set()  # that are recorded, or cannot be
+        self._recordings: dict[str, _Recording | None] = {}  # by topic; None: it cannot be
         self._sequences: dict[int, int] = {}  # by channel
+        self._heard: dict[tuple[str, bytes], int] = {}  # the last number of a topic and publisher
+        self._lost: Counter[str] = Counter()  # by topic
         self._first: int | None = None  # ns, the time of the first message, and of the last one
         self._last = 0
-        self.create_timer(LOOK_SECONDS, self._look, clock=rclpy.clock.Clock())
-        self._look()
+        self._times = _SimulatedTimes() if use_sim_time else None
 
-    def recorded(self) -> tuple[float, int]:
-        """The time from the first message to the last one in seconds, and how many there are."""
+    def recorded(self) -> tuple[float, int, dict[str, int]]:
+        """The time from the first message to the last one in seconds, how many there are; lost.
+
+        Those that were lost are counted by topic.
+        """
         first = self._last if self._first is None else self._first
-        return (self._last - first) * 1e-9, sum(self._sequences.values())
+        lost = {topic: count for topic, count in sorted(self._lost.items()) if count}
+        return (self._last - first) * 1e-9, sum(self._sequences.values()), lost
+
+    def write_until(self, is_over: Callable[[], bool]) -> None:
+        """Write what comes."""
+        next_look = 0.0
+        while not is_over():
+            if time.monotonic() >= next_look:
+                self._look()
+                next_look = time.monotonic() + LOOK_SECONDS
+            written = [self._write_waiting(one) for one in self._known()]
+            if not any(written):
+                time.sleep(POLL_SECONDS)
+
+    def write_rest(self, is_wanted: Callable[[], bool]) -> None:
+        """Write what has been sent until now, and waits.
+
+        Where that is not wanted any more, what waits is counted as lost.
+        """
+        end, said = time.time_ns(), time.monotonic() + SECONDS_OF_SILENCE
+        unfinished, came = self._known(), time.monotonic()
+        while unfinished and time.monotonic() - came < SECONDS_TO_COME:
+            sent = {
+                one.topic: self._write_waiting(one, is_wanted=is_wanted()) for one in unfinished
+            }
+            unfinished = [one for one in unfinished if sent[one.topic] < end]  # others go on
+            behind = min(filter(None, sent.values()), default=0)
+            if not behind:
+                time.sleep(POLL_SECONDS)
+                continue
+            came = time.monotonic()
+            if came > said and is_wanted():
+                said = came + SECONDS_TO_SAY_AGAIN
+                self.get_logger().info(
+                    f"what was sent in the last {(end - behind) * 1e-9:.1f} s is still to be "
+                    "written; Ctrl-C leaves it out"
+                )
+
+    def _known(self) -> list[_Recording]:
+        return [one for one in self._recordings.values() if one is not None]
+
+    def _write_waiting(self, one: _Recording, *, is_wanted: bool = True) -> int:
+        """Write messages of a topic that wait; when the last one was sent, ns; 0 without one."""
+        until, sent = time.monotonic() + SECONDS_AT_ONCE, 0
+        while time.monotonic() < until and (taken := _take(one.subscription)) is not None:
+            message, info = taken
+            sent = info["source_timestamp"]
+            self._count_lost(one.topic, info)
+            if one.is_clock and self._times is not None:
+                seconds, nanoseconds = TIME.unpack_from(message, HEADER)
+                self._times.note(sent, seconds * 10**9 + nanoseconds)
+                self._simulator = None
+            if is_wanted:
+                self._write(one.channel, message, sent)
+            else:
+                self._lost[one.topic] += 1
+        return sent
 
     def _look(self) -> None:
         for topic, types in self.get_topic_names_and_types():
-            if topic not in self._topics:
-                publishers = self.get_publishers_info_by_topic(topic)
-                if publishers:
-                    self._topics.add(topic)
-                    self._record(topic, types, publishers)
+            one = self._recordings.get(topic)
+            if topic in self._recordings and one is None:
+                continue
+            publishers = self.get_publishers_info_by_topic(topic)
+            if one is None and publishers:
+                self._recordings[topic] = self._record(topic, types, publishers)
+            elif one is not None and publishers:
+                self._recordings[topic] = self._hear_all(one, publishers)
 
     def _record(
         self, topic: str, types: Sequence[str], publishers: Sequence[TopicEndpointInfo]
-    ) -> None:
+    ) -> _Recording | None:
         if len(types) > 1:
             self.get_logger().warning(f"{topic} is not recorded: it has the types {types}")
-            return
+            return None
         (type_name,) = types
         try:
             channel = self._channel(topic, type_name, publishers)
             message_type = _message_type(type_name)
         except (LookupError, OSError, ImportError, AttributeError) as error:
             self.get_logger().warning(f"{topic} is not recorded: {type_name}: {error}")
-            return
-        self.create_subscription(
-            message_type,
-            topic,
-            lambda message, channel=channel: self._write(channel, message),
-            _matching(publishers),
-            raw=True,
+            return None
+        profile = _matching(publishers)
+        subscription = self._subscribe(topic, message_type, profile)
+        return _Recording(topic, channel, profile, subscription, (topic, type_name) == CLOCK)
+
+    def _hear_all(self, one: _Recording, publishers: Sequence[TopicEndpointInfo]) -> _Recording:
+        """Subscribe anew where a publisher that has come since offers less than the others."""
+        profile = _matching(publishers)
+        if profile.reliability in (one.profile.reliability, ReliabilityPolicy.RELIABLE):
+            return one
+        subscription = self._subscribe(one.topic, one.subscription.msg_type, profile)
+        self._write_waiting(one)
+        self.destroy_subscription(one.subscription)
+        return one._replace(profile=profile, subscription=subscription)
+
+    def _subscribe(self, topic: str, message_type: Any, profile: QoSProfile) -> Any:
+        return self.create_subscription(
+            message_type, topic, lambda _message: None, profile, raw=True
         )
 
     def _channel(self, topic: str, type_name: str, publishers: Sequence[TopicEndpointInfo]) -> int:
@@ -100,14 +222,41 @@ class Recorder(Node):
             metadata={"offered_qos_profiles": _as_yaml(publishers)},
         )
 
-    def _write(self, channel: int, message: bytes) -> None:
-        now = self.get_clock().now().nanoseconds
-        if now == 0 and self._simulator is not None:
-            now = self._simulator.nanoseconds()
+    def _write(self, channel: int, message: bytes, sent: int) -> None:
+        now = self._time(sent)
         self._first = now if self._first is None else min(now, self._first)
         self._last = max(now, self._last)
         sequence = self._sequences[channel] = self._sequences.get(channel, 0) + 1
         self._writer.add_message(channel, now, message, now, sequence)
+
+    def _time(self, sent: int) -> int:
+        """The time of a message that was sent then."""
+        if self._times is None:
+            return sent
+        clock = self._recordings.get(CLOCK[0])
+        if clock is not None and clock.is_clock and not self._times.reach(sent):
+            self._write_waiting(clock)
+        if self._simulator is not None:
+            self._times.note(time.time_ns(), self._simulator.nanoseconds())
+        return self._times.at(sent)
+
+    def _count_lost(self, topic: str, info: Mapping[str, Any]) -> None:
+        """Count what a publisher has sent since its last message; ROS Humble does not say it."""
+        number, publisher = info.get("publication_sequence_number"), info.get("publisher_gid")
+        if number is None or publisher is None:
+            return
+        key = topic, bytes(publisher["data"])
+        self._lost[topic] += max(0, number - self._heard.get(key, number - 1) - 1)
+        self._heard[key] = number
+
+
+def _take(subscription: Any) -> tuple[bytes, Mapping[str, Any]] | None:
+    """Take a message that waits, as an executor does."""
+    with subscription.handle:
+        taken: tuple[bytes, Mapping[str, Any]] | None = subscription.handle.take_message(
+            subscription.msg_type, subscription.raw
+        )
+        return taken
 
 
 def _message_type(type_name: str) -> Any:
@@ -162,8 +311,10 @@ def record(
     use_sim_time: bool,
     live_folder: Path | None = None,
     when_ready: Callable[[], None],
-) -> tuple[float, int]:
-    """Record until a signal comes, which may be blocked until now.
+) -> tuple[float, int, dict[str, int]]:
+    """Record until a signal comes, which may be blocked until now, and then what has been sent.
+
+    A second signal has it leave out what is not written yet.
 
     It gives what `Recorder.recorded` gives.
 
@@ -181,17 +332,15 @@ def record(
     simulator = SimulatorTime(live_folder) if live_folder is not None else None
     rclpy.init(args=[], signal_handler_options=rclpy.signals.SignalHandlerOptions.NO)
     try:
-        executor = SingleThreadedExecutor()
         recorder = Recorder(writer, use_sim_time=use_sim_time, simulator=simulator)
-        executor.add_node(recorder)
         # An exception of a handler could be lost in a destructor.
         signals: list[int] = []
         for number in ENDING:
             signal.signal(number, lambda number, _frame: signals.append(number))
         when_ready()
         signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
-        while not signals:
-            executor.spin_once(timeout_sec=LOOK_SECONDS)
+        recorder.write_until(lambda: bool(signals))
+        recorder.write_rest(lambda: len(signals) == 1)
         found = recorder.recorded()
     finally:
         ignore_ends()

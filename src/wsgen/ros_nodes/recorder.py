@@ -7,13 +7,14 @@ Like `ros2 bag record --all`: topics are found as they appear, hidden ones are l
 messages are stored as they came, with the time at which they did: that of the clock, or with
 --use-sim-time the simulated one. Where nobody publishes /clock, the simulator of the live run in
 FOLDER is asked for that. The file has its name when it is complete; until then `.part` is
-behind it. It is completed at SIGINT or SIGTERM, and when the process PID ends. Without a message it
-is removed: an earlier recording of that name stays.
+behind it. It is completed at SIGINT or SIGTERM, and when the process PID ends: what was sent until
+then is written first, unless another signal comes. Without a message it is removed: an earlier
+recording of that name stays.
 
 It writes READY to the descriptor when it records, and a text when it cannot: why. Who has started
 it may read that at the end of the run alone, so what happens meanwhile, as a full disk, is told on
-stderr, too. When the file is complete, it writes the seconds from the first message to the last
-one, and how many there are.
+stderr, too. When the file is complete, it writes a JSON list: the seconds from the first message to
+the last one, how many there are, and how many were lost, by topic.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import ctypes
+import json
 import os
 import signal
 import stat
@@ -112,7 +114,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with unfinished.open("wb") as stream:
             from wsgen.ros_nodes.mcap_recording import record  # noqa: PLC0415  see above
 
-            seconds, messages = record(
+            seconds, messages, lost = record(
                 stream,
                 use_sim_time=given.use_sim_time,
                 live_folder=given.live_folder,
@@ -122,7 +124,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             unfinished.replace(file)
         else:
             unfinished.unlink(missing_ok=True)
-        teller.tell(f"{seconds:.3f} {messages}")
+        teller.tell(json.dumps((round(seconds, 3), messages, lost)))
     except OSError as error:
         _remove_empty(unfinished)
         teller.fail(f"{unfinished} cannot be written: {error.strerror or error}")
