@@ -124,6 +124,45 @@ def _signals() -> Iterator[None]:
 
 
 @pytest.mark.usefixtures("_signals")
+def test_a_script_of_no_package(
+    asked: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    commands = []
+
+    def replace(_path: str, command: list[str], _variables: dict[str, str]) -> None:
+        commands.append(command)
+        raise ReplacedError
+
+    monkeypatch.setattr(os, "execvpe", replace)
+    script, program = tmp_path / "drive.py", tmp_path / "drive"
+    script.write_text("from my_msgs.msg import Go\n")
+    program.write_text("#!/bin/sh\n")
+    seen = asked("run", "drive.py", "-x", "--ros-args", "-p", "fast:=true")
+    python = sys.executable
+    assert commands.pop() == (python, str(script), "-x", "--ros-args", "-p", "fast:=true")
+    assert set(seen["messages"]) == {"my_msgs"}
+    assert wsgen.cli.run(("run", "./drive")) == 4  # it is not executable
+    program.chmod(0o755)
+    asked("run", "./drive")
+    assert commands.pop() == (str(program),)
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "message"),
+    [
+        (("drive.py",), 4, "The file drive.py does not exist"),
+        (("scripts/drive", "x"), 4, "The file scripts/drive does not exist"),
+        (("robot",), 2, "wsgen run robot EXECUTABLE"),
+    ],
+)
+def test_a_script_that_is_not_there(
+    words: tuple[str, ...], code: int, message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert wsgen.cli.run(("run", *words)) == code
+    assert message in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("_signals")
 @pytest.mark.parametrize("inside", [".", "launch"])
 @pytest.mark.parametrize("words", [("topic", "list"), ("run", "demo", "walk")])
 def test_a_package_at_the_root_of_its_workspace(

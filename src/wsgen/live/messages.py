@@ -38,13 +38,17 @@ LARGEST = 1 << 20  # bytes of the file of a bridge
 def messages_of_packages(packages: Iterable[PackageFolder]) -> frozenset[str]:
     """Those that packages of the workspace name in files for Python nodes, declared or not."""
     return frozenset(
-        word.decode()
+        name
         for package in packages
         for file, text in texts_below(package.path)
         if file.suffix in SUFFIXES
-        for word in set(WORDS.findall(text))
-        if word.endswith(ENDINGS)
+        for name in messages_of_text(text)
     )
+
+
+def messages_of_text(text: bytes) -> frozenset[str]:
+    """Those that a file names."""
+    return frozenset(word.decode() for word in set(WORDS.findall(text)) if word.endswith(ENDINGS))
 
 
 def messages_of_robots_to_come(packages: Iterable[PackageFolder], simulator: str) -> frozenset[str]:

@@ -63,9 +63,7 @@ def find_command(
         path = folder / executable
         if path.is_file() and os.access(path, os.X_OK):
             command = (str(path), *arguments)
-            return (
-                command if ros.is_sourced or not _is_python(path) else (str(ros.python), *command)
-            )
+            return command if ros.is_sourced or not is_python(path) else (str(ros.python), *command)
     known = sorted({one for folder in folders for one in executables(folder)})
     if known:
         raise NotFoundError(
@@ -97,7 +95,8 @@ def _folders(folder: Path) -> Iterator[Path]:
             yield one
 
 
-def _is_python(path: Path) -> bool:
+def is_python(path: Path) -> bool:
+    """Whether the first line of a program names Python as its interpreter."""
     with path.open("rb") as file:
         first = file.readline(200)
     return first.startswith(b"#!") and PYTHON in first
