@@ -72,6 +72,16 @@ def test_any_text_in_the_options_gives_a_package_that_builds_and_stands(tmp_path
     assert document["packages"][0]["diagnostics"] == []
 
 
+def test_the_path_of_a_launch_file(built: Path, tmp_path: Path) -> None:
+    launch = "launch/gazebo_model.launch.py"
+    for folder in (built, tmp_path):  # the installed one counts, as for --launch
+        file = built / "src" / PACKAGE / launch
+        code, document, error = validate(folder, str(file))
+        assert code == 0, error
+        (package,) = document["packages"]
+        assert package["launch_file"].endswith(f"{SHARE / launch}")
+
+
 def test_the_picture_shows_a_green_robot_on_a_ground(built: Path, tmp_path: Path) -> None:
     _, document, _ = validate(built, "--picture", str(tmp_path / "pictures"))
     with Image.open(document["packages"][0]["picture"]) as picture:

@@ -184,7 +184,7 @@ def command(
     """Simulate many variants of a robot, and write a table with a row for each.
 
     The robot is the one that a launch file of the PACKAGE spawns, that of a FILE (.urdf, .xacro,
-    .sdf), or that of a template. The [sweep] table in wsgen.toml gives defaults.
+    .sdf, or a launch file), or that of a template. The [sweep] table in wsgen.toml gives defaults.
     """
     import os
     from pathlib import Path
@@ -193,7 +193,7 @@ def command(
     from wsgen.cli.report_files import require_places
     from wsgen.cli.sweep_progress import SweepProgress
     from wsgen.cli.validate import is_file_name
-    from wsgen.cli.words import split_launch_arguments
+    from wsgen.cli.words import launch_file_of, split_launch_arguments
     from wsgen.pipeline.load_scene import BrokenSceneError
     from wsgen.sweeping.defaults import make_design_with
     from wsgen.sweeping.subject import SubjectRequest
@@ -202,8 +202,12 @@ def command(
     from wsgen.sweeping.worst import read_choice
     from wsgen.workspace.sweep_settings import SweepSettings
 
+    named = launch_file_of([name or ""], launch_file)
+    around = None
+    if named is not None:
+        name, launch_file, around = named
     is_file = name is not None and is_file_name(name)
-    place = _workspace(workspace, name, is_file=is_file)
+    place = _workspace(workspace or around, name, is_file=is_file)
     defaults = SweepSettings() if name is None or is_file else _settings(place, name)
     if defaults is None:
         return EXIT_FAILED
@@ -278,7 +282,9 @@ def command(
     return EXIT_PASSED
 
 
-def _workspace(given: str | None, name: str | None, *, is_file: bool) -> Workspace | None:
+def _workspace(
+    given: str | Workspace | None, name: str | None, *, is_file: bool
+) -> Workspace | None:
     """The workspace of a package, or that of what a file names; None where none is found."""
     from pathlib import Path
 

@@ -105,19 +105,24 @@ def command(
 ) -> int:
     """Simulate the robots that launch files spawn, and check the result.
 
-    Without PACKAGE, validate all packages of the workspace. A FILE (.urdf,
-    .xacro, .sdf, .world, or another with a <robot> or <sdf>) is simulated by itself; a robot
-    starts just above the ground of an empty world.
+    Without PACKAGE, validate all packages of the workspace. A FILE (.urdf, .xacro, .sdf, .world,
+    or another with a <robot> or <sdf>) is simulated by itself; a robot starts just above the
+    ground of an empty world. A FILE may also be a launch file of a package.
     """
     from functools import partial
     from pathlib import Path
 
     from wsgen.cli.live_run import run_for_behaviors
-    from wsgen.cli.words import split_launch_arguments
+    from wsgen.cli.words import launch_file_of, split_launch_arguments
     from wsgen.pipeline.requests import ValidateRequest
 
     require_places(json_file, junit_file, summary_file, html_file)
     require_libraries(html_file)
+    named = launch_file_of(names, launch_file)
+    place = _as_colcon_says(workspace, install_base, package_folders)
+    if named is not None:
+        package, launch_file, around = named
+        names, place = (package,), place or around
     if len(names) == 1 and Path(names[0]).is_dir() and is_file_name(names[0]):
         raise refuse_folder(Path(names[0]))
     request = ValidateRequest(
@@ -135,7 +140,7 @@ def command(
     )
     return validate_packages(
         request.for_page() if html_file else request,
-        workspace=_as_colcon_says(workspace, install_base, package_folders),
+        workspace=place,
         quiet=quiet,
         verbose=verbose,
         output_format=output_format,

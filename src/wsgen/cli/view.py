@@ -60,7 +60,7 @@ def command(
     """Show a robot in the browser, with a slider for each joint.
 
     The robot of a package is the one that its launch file spawns, in its world; a FILE is a .urdf,
-    .xacro, .sdf or .world file. The page shows visuals, collisions, inertias, frames and
+    .xacro, .sdf, .world or launch file. The page shows visuals, collisions, inertias, frames and
     diagnostics, and loads the robot again when one of its files changes.
     """
     import os
@@ -69,13 +69,17 @@ def command(
 
     from wsgen.cli.progress import listening
     from wsgen.cli.validate import is_file_name, open_workspace_of, refuse_folder
-    from wsgen.cli.words import split_launch_arguments
+    from wsgen.cli.words import launch_file_of, split_launch_arguments
     from wsgen.pipeline.describe import describe
     from wsgen.pipeline.requests import ValidateRequest
     from wsgen.viewing.view import View, check_viewer, choose_port
 
     check_viewer()
     port = choose_port(host, port)
+    named = launch_file_of([name], launch_file)
+    around = None
+    if named is not None:
+        name, launch_file, around = named
     is_file = is_file_name(name)
     if is_file and Path(name).is_dir():
         raise refuse_folder(Path(name), command="view")
@@ -88,7 +92,7 @@ def command(
         engines=(),
         is_viewed=True,
     )
-    place = open_workspace_of(workspace, request)
+    place = open_workspace_of(workspace or around, request)
 
     def read(folder: Path) -> DescribedScene:
         with listening(quiet=quiet, verbose=verbose) as listener:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 from typing import TYPE_CHECKING
 
 import click
@@ -10,7 +11,7 @@ import click
 from wsgen.errors import NotFoundError, RequestError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
     from pathlib import Path
 
     from wsgen.pipeline.requests import ValidateRequest
@@ -33,6 +34,51 @@ def split_launch_arguments(words: Iterable[str]) -> dict[str, str]:
             )
         values[name] = value
     return values
+
+
+def launch_file_of(
+    names: Sequence[str], launch_file: str | None
+) -> tuple[str, str, Workspace | None] | None:
+    """The package, name and workspace of the launch file that is given in place of a package.
+
+    None where none is.
+
+    Raises:
+        NotFoundError: It does not exist.
+        RequestError: It is in no package, or beside other names or --launch.
+    """
+    from pathlib import Path
+
+    from wsgen.pipeline.plan_launch import package_of
+    from wsgen.workspace.layout import LAUNCH_FILES, find_launch_files, workspace_around
+
+    given = [name for name in names if name.endswith(LAUNCH_FILES) and not Path(name).is_dir()]
+    if not given:
+        return None
+    if len(names) > 1 or launch_file is not None:
+        other = next((name for name in names if name != given[0]), f"--launch {launch_file}")
+        raise RequestError(
+            f"{given[0]!r} is a launch file, and cannot be combined with {other!r}.",
+            hint="Give one launch file, or the packages: all launch files that spawn a robot are"
+            " simulated.",
+        )
+    file = Path(given[0])
+    if not file.is_file():
+        raise NotFoundError(
+            f"The launch file {file} does not exist.",
+            hint=f"Check its path, or name the package: PACKAGE --launch {shlex.quote(file.name)}",
+        )
+    package = package_of(file)
+    if package is None:
+        raise RequestError(
+            f"{file} is not in a package: no package.xml is above it.",
+            hint=f"Simulate it alone: wsgen launch {shlex.quote(given[0])} --play",
+        )
+    file = file.absolute()
+    folder = next(one for one in file.parents if (one / "package.xml").is_file())
+    alike = [one for one in find_launch_files(folder) if one.name == file.name]
+    name = os.fspath(file.relative_to(folder)) if len(alike) > 1 else file.name
+    return package, name, workspace_around(file.parent)
 
 
 def short_path(path: Path) -> str:
@@ -75,8 +121,6 @@ def _kept(file: Path) -> str:
 
 def next_command(workspace: Workspace, *commands: str) -> str:
     """The commands to run next in a workspace, starting from the current folder."""
-    import shlex
-
     root = os.fspath(workspace.root)
     if not os.path.join(os.getcwd(), "").startswith(os.path.join(root, "")):  # noqa: PTH109, PTH118
         commands = (f"cd {shlex.quote(short_name(workspace.root))}", *commands)
