@@ -125,6 +125,7 @@ URDF = """\
 USER_COMMANDS = (
     '<plugin filename="gz-sim-user-commands-system" name="gz::sim::systems::UserCommands"/>'
 )
+SENSORS = '<plugin filename="gz-sim-sensors-system" name="gz::sim::systems::Sensors"/>'
 WORLD = f"""\
 <sdf version="1.8">
   <world name="office">
@@ -132,6 +133,7 @@ WORLD = f"""\
     {USER_COMMANDS}
     <plugin filename="gz-sim-scene-broadcaster-system"
       name="gz::sim::systems::SceneBroadcaster"/>
+    {SENSORS}
     <light name="sun" type="directional"/>
     <model name="ground">
       <static>true</static>

@@ -357,11 +357,16 @@ ROBOTS |= {
 
 # ---- worlds and models ---------------------------------------------------------------------------
 
-SYSTEMS = (
+DEFAULT_SYSTEMS = (
     '<plugin filename="gz-sim-physics-system" name="gz::sim::systems::Physics"/>'
     '<plugin filename="gz-sim-user-commands-system" name="gz::sim::systems::UserCommands"/>'
     '<plugin filename="gz-sim-scene-broadcaster-system" '
     'name="gz::sim::systems::SceneBroadcaster"/>'
+)
+SYSTEMS = (
+    DEFAULT_SYSTEMS
+    + '<plugin filename="gz-sim-sensors-system" name="gz::sim::systems::Sensors"/>'
+    + '<plugin filename="gz-sim-imu-system" name="gz::sim::systems::Imu"/>'
 )
 GROUND = (
     '<model name="ground"><static>true</static><link name="link"><collision name="c"><geometry>'
@@ -748,6 +753,10 @@ RETURN = "\n\ndef generate_launch_description():\n    return LaunchDescription([
 GZ = IMPORTS + START + RETURN + "simulator,\n" + PUBLISH + CLOCK
 ALL_OF_IT = GZ + CREATE + "])\n"
 LAUNCH_FILE = "launch/robot.launch.py"
+LASER = (
+    '<sensor name="lidar" type="gpu_lidar"><topic>scan</topic>'
+    "<gz_frame_id>base_link</gz_frame_id></sensor>"
+)
 UP = '<origin xyz="0 0 0.05"/>'
 STANDING = f"""<link name="base_link">{INERTIAL.replace("<mass", f"{UP}<mass")}
   <visual>{UP}{BOX}</visual><collision>{UP}{BOX}</collision></link>"""
@@ -1240,6 +1249,20 @@ OTHERS: dict[str, Plant] = {
         good_dots=("<xyz>0 0 1</xyz>", MULTIPLIED),
     ),
     "WLD063": simulated_world("@", swaps=(("</world>", f"{GROUND}{LIGHT}</world>"),)),
+    "WLD072": Plant(
+        file="worlds/office.sdf",
+        around=SDF,
+        files={
+            LAUNCH_FILE: ALL_OF_IT,
+            "urdf/my_robot.urdf.xacro": put(
+                XACRO, f'{STANDING}<gazebo reference="base_link">{LASER}</gazebo>'
+            ),
+        },
+        swaps=(
+            (PHYSICS, DEFAULT_SYSTEMS),
+            ("</world>", f"{GROUND}{LIGHT}</world>"),
+        ),
+    ),
     "WLD067": simulated_world(f'<world name="w">{SYSTEMS}{LIGHT}@</world>'),
     "WLD068": world(SDF, swaps=(("</world>", f"{SYSTEMS}{GROUND}</world>"),)),
     "WLD069": simulated_world(

@@ -70,6 +70,9 @@ XACRO = """<?xml version="1.0"?>
       <geometry><box size="1 1 1"/></geometry>
     </collision>
   </link>
+  <gazebo reference="base_link">
+    <sensor name="imu" type="imu"><gz_frame_id>base_link</gz_frame_id></sensor>
+  </gazebo>
 </robot>
 """
 WORLD = """<?xml version="1.0"?>
@@ -84,6 +87,7 @@ WORLD = """<?xml version="1.0"?>
     <plugin filename="gz-sim-user-commands-system" name="gz::sim::systems::UserCommands"/>
     <plugin filename="gz-sim-scene-broadcaster-system"
       name="gz::sim::systems::SceneBroadcaster"/>
+    <plugin filename="gz-sim-imu-system" name="gz::sim::systems::Imu"/>
     <light name="sun" type="directional">
       <pose>0 0 10 0 0 0</pose>
       <direction>-0.5 0.1 -0.9</direction>
@@ -156,6 +160,8 @@ FILES = {
 USER_COMMANDS = (
     '<plugin filename="gz-sim-user-commands-system" name="gz::sim::systems::UserCommands"/>'
 )
+IMU = '<plugin filename="gz-sim-imu-system" name="gz::sim::systems::Imu"/>'
+WITHOUT_IMU = WORLD[WORLD.index("    <plugin") : WORLD.index(f"    {IMU}")]
 LAUNCH_FILE = "launch/spawn.launch.py"
 
 # The rule, the file, what is written there, and what takes its place: the mistake. The fix writes
@@ -262,6 +268,8 @@ CASES: list[tuple[str, ...]] = [
         f"    {USER_COMMANDS}\n",
         "",
     ),
+    ("missing-sensor-system", "worlds/office.sdf", f"    {IMU}\n", ""),
+    ("missing-sensor-system", "worlds/office.sdf", WITHOUT_IMU + f"    {IMU}\n", ""),
     # launch files
     ("spawned-in-ground", LAUNCH_FILE, ", '-z', '0.505'", ""),
     ("glued-command", LAUNCH_FILE, "['xacro ', robot", "['xacro', robot"),

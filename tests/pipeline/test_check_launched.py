@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from cart_package import USER_COMMANDS, check_cart
+from cart_package import SENSORS, USER_COMMANDS, check_cart
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -44,6 +44,21 @@ def test_what_is_right_is_silent(tmp_path: Path) -> None:
             "worlds/office.sdf",
             (USER_COMMANDS, ""),
             ("missing-system-plugin", "worlds/office.sdf", 3),
+        ),
+        (
+            "worlds/office.sdf",
+            (SENSORS, ""),
+            ("missing-sensor-system", "worlds/office.sdf", 3),
+        ),
+        (
+            "launch/cart.launch.py",
+            ("['-r ', world]", "'-r empty.sdf'"),
+            ("missing-sensor-system", "launch/cart.launch.py", 21),
+        ),
+        (
+            "launch/cart.launch.py",
+            ("['-r ', world]", "'-r'"),
+            ("missing-sensor-system", "launch/cart.launch.py", 21),
         ),
         (
             "launch/cart.launch.py",

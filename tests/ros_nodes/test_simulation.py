@@ -27,12 +27,14 @@ from ros_nodes.fake_ros import (
     still_at,
 )
 from wsgen.isolation.codec import encode
+from wsgen.model.devices import Devices, Element, MountedSensor
 from wsgen.model.transform import Pose
 from wsgen.ros_nodes.signals import ignore_ends
 from wsgen.simulation.live_scene import (
     FOLDER_VARIABLE,
     SCENE_FILE,
     UNHEARD_FILE,
+    LiveScene,
     NewEntity,
     PreparedEntity,
 )
@@ -551,3 +553,116 @@ def test_seconds_that_are_none(tmp_path: Path) -> None:
     assert do("step", 1)["ok"]
     assert do("advance", 0) is None  # it is answered when that has passed
     server.close()
+
+
+SENSING = MountedSensor(
+    name="lidar",
+    kind="gpu_lidar",
+    link="base_link",
+    frame="base_link",
+    element=Element(tag="sensor"),
+)
+ALL_DEFAULT = ("Physics", "SceneBroadcaster", "UserCommands")
+BROUGHT = Element(
+    tag="plugin",
+    attributes={"filename": "libgz-sim-sensors-system.so", "name": "gz::sim::systems::Sensors"},
+)
+
+
+class Silent:
+    """A sensor that counts how often it is updated."""
+
+    period = 0.1
+    updates = 0
+
+    def __init__(self, *_: Any) -> None:
+        """Nothing is needed."""
+
+    def update(self) -> None:
+        Silent.updates += 1
+
+    def close(self) -> None:
+        """Nothing is open."""
+
+
+@pytest.fixture
+def _silent(messages: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    simulation = importlib.import_module("wsgen.ros_nodes.simulator.simulation")
+    monkeypatch.setitem(simulation.SENSORS, "gpu_lidar", f"{__name__}:Silent")
+    monkeypatch.setattr(Silent, "updates", 0)
+
+
+def sensing(systems: tuple[str, ...] | None, *plugins: Element) -> LiveScene:
+    scene = live_scene(simulator="gz", systems=systems)
+    return replace(scene, devices={"rover": Devices(plugins=plugins, sensors=(SENSING,))})
+
+
+@pytest.mark.usefixtures("_silent")
+@pytest.mark.parametrize(
+    ("systems", "updates"),
+    [(None, 10), ((*ALL_DEFAULT, "Sensors"), 10), (ALL_DEFAULT, 0)],
+)
+def test_a_sensor_works_where_its_system_is_loaded(
+    systems: tuple[str, ...] | None, updates: int
+) -> None:
+    simulation, ros = simulation_of(sensing(systems))
+    simulation.spawn("rover")
+    simulation.advance(1.0)
+    assert Silent.updates == updates
+    assert len(ros.warnings) == (updates == 0)
+    if not updates:
+        assert "does not load the system Sensors" in ros.warnings[0]
+        assert 'Add <plugin filename="gz-sim-sensors-system"' in ros.warnings[0]
+
+
+@pytest.mark.usefixtures("_silent")
+def test_a_robot_may_bring_the_system() -> None:
+    simulation, ros = simulation_of(sensing(ALL_DEFAULT, BROUGHT))
+    simulation.spawn("rover")
+    simulation.advance(1.0)
+    assert Silent.updates == 10
+    assert not ros.warnings
+
+
+@pytest.mark.usefixtures("_silent")
+def test_a_robot_that_comes_later_brings_the_system_for_all() -> None:
+    scene = sensing(ALL_DEFAULT)
+    (rover,) = scene.scene.robots
+    other = replace(rover, entity="other")
+    scene = replace(
+        scene,
+        scene=replace(scene.scene, robots=(rover, other)),
+        devices={**scene.devices, "other": Devices(plugins=(BROUGHT,))},
+    )
+    simulation, _ = simulation_of(scene)
+    simulation.spawn("rover")
+    simulation.advance(1.0)
+    assert Silent.updates == 0
+    simulation.spawn("other")
+    simulation.advance(2.0)
+    assert Silent.updates == 10
+
+
+def test_without_user_commands_nothing_is_spawned_or_deleted() -> None:
+    from wsgen.ros_nodes.simulator.simulation import RefusedError  # noqa: PLC0415
+
+    systems = ("Physics", "SceneBroadcaster")
+    simulation, _ = simulation_of(live_scene(simulator="gz", systems=systems))
+    with pytest.raises(RefusedError, match="does not load the system UserCommands"):
+        simulation.spawn("rover")
+    simulation, _ = simulation_of(live_scene(simulator="gz", systems=systems, in_world=("rover",)))
+    assert list(simulation.host.robots) == ["rover"]
+    with pytest.raises(RefusedError, match="UserCommands"):
+        simulation.delete("rover")
+
+
+def test_without_physics_time_passes_and_nothing_moves() -> None:
+    engine = rover_engine()
+    scene = live_scene(simulator="gz", systems=("UserCommands", "SceneBroadcaster"))
+    simulation, ros = simulation_of(scene, engine)
+    simulation.spawn("rover")
+    simulation.advance(1.0)
+    assert simulation.now == pytest.approx(1.0)
+    assert engine.steps == 0
+    (warning,) = ros.warnings
+    assert "does not load the system Physics: nothing in it moves" in warning

@@ -162,7 +162,7 @@ def test_sensors() -> None:
     scan = Sensor("s", "ray", {"gz_frame_id": ("laser",)}, line=4)
     (found,) = check(tags=(laser(scan),), simulator="gz")
     assert found.code == "ROB105"
-    assert not check(tags=(laser(scan),), simulator="gz", distro="lyrical")
+    assert not check(tags=(laser(scan),), simulator="gz", distro="rolling")
     assert not check(tags=(laser(scan),))
     elsewhere = Sensor("s", "gpu_lidar", {"gz_frame_id": ("lasr",)}, line=4)
     (found,) = check(tags=(laser(elsewhere),))

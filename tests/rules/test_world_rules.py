@@ -18,6 +18,7 @@ SCENE = (
     'name="ignition::gazebo::systems::SceneBroadcaster"/>'
 )
 SYSTEMS = PHYSICS + COMMANDS + SCENE
+LIDAR = '<model name="m"><link name="l"><sensor name="lidar" type="gpu_lidar"/></link></model>'
 SUN = '<light name="sun" type="directional"/>'
 CLASSIC_PLUGIN = '<plugin filename="libgazebo_ros_state.so" name="state"/>'
 FUEL = "<include><uri>https://fuel.gazebosim.org/1.0/a/models/Table</uri></include>"
@@ -44,7 +45,7 @@ def check(
         FILE,
         simulator=simulator,
         distro=distro,
-        is_loaded=True,
+        is_spawned_into=False,
         has_model=lambda uri: uri in models,
     )
     return [(one.name, one.line) for one in found]
@@ -55,6 +56,7 @@ def check(
     [
         (PHYSICS + SCENE + SUN, "gz", "jazzy", "missing-system-plugin"),
         (PHYSICS + SCENE + SUN, None, None, "missing-system-plugin"),
+        (SYSTEMS + LIDAR + SUN, "gz", "kilted", "missing-sensor-system"),
         (CLASSIC_PLUGIN + SUN, "gz", "jazzy", "plugin-of-other-simulator"),
         (SYSTEMS.replace("<", "\n<", 1), "classic", None, "plugin-of-other-simulator"),
         (SYSTEMS.replace("Physics", "Phisics") + SUN, "gz", "jazzy", "unknown-system"),

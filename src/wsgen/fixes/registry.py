@@ -101,6 +101,7 @@ FIXERS: Mapping[str, Fixer] = {
     "unknown-hardware": robots.fix_inner_text("plugin"),
     "not-in-real-time": robots.fix_inner_text("real_time_update_rate"),
     "missing-system-plugin": robots.add_system_plugins,
+    "missing-sensor-system": robots.add_system_plugins,
     # launch files
     "no-clock-bridge": launch_files.add_clock,
     "invalid-bridge-entry": words.fix_word,

@@ -232,20 +232,32 @@ _PLUGINS = re.compile(r"<plugin [^<>]*/>")
 
 
 def add_system_plugins(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
-    """Add the plugins that the hint writes out in front of the first one of the world."""
+    """Add the plugins that the hint writes out in front of the first one of the world.
+
+    Where it has none, they come first in it.
+    """
     plugins = _PLUGINS.findall(diagnostic.hint or "")
     line = diagnostic.line or 0
     first = [
         tag
         for tag in read_tags(source.text)
-        if tag.name == "plugin" and tag.path and tag.path[-1].name == "world"
+        if (
+            tag.path and tag.path[-1].name == "world"
+            if tag.name == "plugin"
+            else tag.name == "world"
+        )
         if source.line_at(tag.start.start) <= line <= source.line_at(tag.start.end)
     ]
-    if not plugins or not first or "world" not in {tag.name for tag in first[0].path}:
+    if not plugins or not first:
         return []
-    place = first[0].start.start
-    between = source.newline + source.indent_at(place)
-    return [Edit(start=place, end=place, text="".join(one + between for one in plugins))]
+    tag = first[-1]
+    is_empty = tag.name == "world"
+    place = tag.start.end if is_empty else tag.start.start
+    if is_empty and tag.end is None:
+        return []
+    between = source.newline + source.indent_at(tag.start.start)
+    added = (f"{between}  {one}" if is_empty else one + between for one in plugins)
+    return [Edit(start=place, end=place, text="".join(added))]
 
 
 def fix_element_name(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:

@@ -61,7 +61,16 @@ def _of_gz_arguments(values: Mapping[str, str]) -> Simulator | None:
 
 
 def _of_gz_server(values: Mapping[str, str]) -> Simulator | None:
-    return Simulator(kind=GZ, world=values.get("world_sdf_file") or None, is_headless=True)
+    return _server(values.get("world_sdf_file"), values.get("world_sdf_string"))
+
+
+def _server(file: object, text: object) -> Simulator:
+    return Simulator(
+        kind=GZ,
+        world=str(file) if file else None,
+        is_headless=True,
+        is_world_known=bool(file) or not text,
+    )
 
 
 # Launch file, without what follows its first dot -> the simulator that its arguments mean; by
@@ -131,8 +140,10 @@ def _started(program: Process) -> Simulator | None:
     """The simulator that a program is, whatever package starts it."""
     name = program.executable or ""
     if program.package in {"ros_gz_sim", "ros_ign_gazebo"} and name in _GZ_SERVERS:
-        world = program.parameters.get("world_sdf_file") or _world(program.arguments)
-        return Simulator(kind=GZ, world=str(world) if world else None, is_headless=True)
+        given = program.parameters
+        return _server(
+            given.get("world_sdf_file") or _world(program.arguments), given.get("world_sdf_string")
+        )
     if name in _CLASSIC_PROGRAMS and program.package in {None, "gazebo_ros"}:
         return _classic(_world(program.arguments), is_headless=name == "gzserver")
     if name in _GZ_PROGRAMS and program.package is None:
@@ -185,7 +196,12 @@ def _world(words: Iterable[str]) -> str | None:
 
 
 def _in_default_world(simulator: Simulator) -> Simulator:
-    return Simulator(kind=simulator.kind, world=None, is_headless=simulator.is_headless)
+    return Simulator(
+        kind=simulator.kind,
+        world=None,
+        is_headless=simulator.is_headless,
+        is_world_known=False,
+    )
 
 
 def _how_to_start(plan: LaunchPlan) -> str:

@@ -31,6 +31,7 @@ from wsgen.live.preparer import Preparer, serve
 from wsgen.live.program import DOMAIN, distro_of_run, find_live_folder, launched_in
 from wsgen.live.recording import Recordings
 from wsgen.live.request import NodeServerRequest, ServiceRequest
+from wsgen.model.gazebo_systems import DEFAULT_SYSTEMS
 from wsgen.model.plan import LaunchRequest
 from wsgen.pipeline.changed_since_build import shares_of
 from wsgen.pipeline.package_validation import Validation, may_come_later
@@ -337,6 +338,7 @@ def _live_scene(
         world=world.name,
         devices={robot.entity: robot.devices for robot in robots if robot.devices is not None},
         world_devices=subject.world_devices,
+        systems=_systems_of(subject),
         in_world=tuple(_in_world(robots, started.spawns)),
         descriptions={
             robot.entity: robot.description for robot in robots if robot.description is not None
@@ -346,6 +348,15 @@ def _live_scene(
         logs_poses=request.recordings.video is not None,
         is_stepped=request.is_stepped,
     )
+
+
+def _systems_of(subject: Validation) -> tuple[str, ...] | None:
+    """The systems that the world has; None where they are not known, as in Gazebo Classic."""
+    systems = None if subject.started_world is None else subject.started_world.systems()
+    if systems is None:
+        return None
+    # Whether the default ones are added is not known: they may be.
+    return tuple(sorted(systems.loaded | set(DEFAULT_SYSTEMS if systems.may_merge else ())))
 
 
 def _kind_of(subject: Validation) -> str:

@@ -42,6 +42,55 @@ _MARKERS = (
     *("gz-sim", "gz::sim", "ignition-gazebo", "ignition::gazebo"),
     *("gz_ros2_control", "ign_ros2_control"),
 )
+# What Gazebo loads for a world without systems, and from Ionic on for any world, unless a
+# server.config says another thing (include/gz/sim/server.config of all releases).
+DEFAULT_SYSTEMS = ("Physics", "UserCommands", "SceneBroadcaster")
+# The distributions whose Gazebo adds them to those of a world (SimulationRunner.cc of gz-sim9).
+WITH_MERGED_DEFAULTS = ("kilted", "lyrical", "rolling")
+# Those of the worlds that Gazebo ships and people start robots in.
+OF_SHIPPED_WORLDS = {"empty.sdf": (*DEFAULT_SYSTEMS, "Contact")}
+# Kind of a sensor -> the system without which it sends nothing. Where a robot or model has the
+# system it works for all, but for the default ones, which ask for the name of a world.
+SYSTEM_OF_SENSOR = {
+    **dict.fromkeys(
+        (
+            *("camera", "multicamera", "depth", "depth_camera", "rgbd", "rgbd_camera"),
+            *("thermal", "thermal_camera", "segmentation", "segmentation_camera"),
+            *("boundingbox", "boundingbox_camera", "wideanglecamera", "wide_angle_camera"),
+            *("gpu_ray", "gpu_lidar"),
+        ),
+        "Sensors",
+    ),
+    **dict.fromkeys(("ray", "lidar"), "CpuLidar"),  # of Rotary; older ones have none
+    **dict.fromkeys(("gps", "navsat"), "NavSat"),
+    "imu": "Imu",
+    "contact": "Contact",
+    "force_torque": "ForceTorque",
+    "altimeter": "Altimeter",
+    "air_pressure": "AirPressure",
+    "air_speed": "AirSpeed",
+    "magnetometer": "Magnetometer",
+    "logical_camera": "LogicalCamera",
+}
+# System of a robot, as `wsgen.model.gazebo_plugins.stem` gives it -> the other systems without
+# which it does nothing; none for those that work by themselves.
+SYSTEMS_OF_PLUGIN: dict[str, tuple[str, ...]] = {
+    **dict.fromkeys(
+        (
+            *("ackermann-steering", "apply-joint-force", "diff-drive", "joint-controller"),
+            *("joint-position-controller", "joint-state-publisher", "mecanum-drive"),
+            *("joint-trajectory-controller", "velocity-control"),
+            *("gz_ros2_control-system", "ign_ros2_control-system"),
+        ),
+        ("Physics",),
+    ),
+    **dict.fromkeys(("linearbatteryplugin", "odometry-publisher", "pose-publisher"), ()),
+    # What wsgen does not simulate.
+    "opticaltactileplugin": ("Contact", "Sensors"),
+    "touchplugin": ("Contact",),
+    "thermal-sensor": ("Sensors",),
+    "camera-video-recorder": ("Sensors",),
+}
 MOST_LETTERS = 2  # more or fewer of a misspelled name
 SURELY = 0.8  # so alike two names are, as difflib counts, that one is the other misspelled
 
@@ -70,6 +119,22 @@ def system_of(filename: str) -> str | None:
     found = _LIBRARY.fullmatch(filename)
     classes = systems().get(found[3], ()) if found else ()
     return classes[0] if len(classes) == 1 else None
+
+
+def loaded_class(filename: str, name: str) -> str | None:
+    """The class of the system that a plugin loads; None where it is another one, or fails."""
+    found = _LIBRARY.fullmatch(filename.rpartition("/")[2])
+    classes = systems().get(found[3], ()) if found else ()
+    if not name:
+        return classes[0] if classes else None
+    written = _CLASS.fullmatch(name)
+    return written[1] if written is not None and written[1] in classes else None
+
+
+def plugin_of(system: str) -> str:
+    """The element that loads a system, by its class."""
+    library = next(name for name, classes in systems().items() if system in classes)
+    return f'<plugin filename="gz-sim-{library}-system" name="gz::sim::systems::{system}"/>'
 
 
 def is_of_gz(filename: str, name: str = "") -> bool:

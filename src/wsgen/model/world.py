@@ -86,3 +86,4 @@ class Simulator:
     kind: str  # "classic" or "gz"
     world: str | None  # path or name as the launch gives it; None: the simulator's default world
     is_headless: bool = False
+    is_world_known: bool = True  # if not, `world` is None in its place

@@ -156,13 +156,14 @@ def check_heights(
 _LEFT_OUT = frozenset((MODEL_LEFT_OUT.code, DATABASE_MODELS.code))
 
 
-def check_worlds(
+def check_worlds(  # noqa: PLR0913  one of them has a default
     files: Iterable[Path],
     loaded: Mapping[Path, Loaded],
     environment: Mapping[str, str],
     *,
     simulator: str | None,
     distro: str | None,
+    spawned_into: Collection[str] = (),
 ) -> Iterator[Diagnostic]:
     """Check the worlds of a package for the simulators that load them.
 
@@ -172,6 +173,7 @@ def check_worlds(
         environment: That of a world which no launch file loads.
         simulator: That of the other launch files.
         distro: The target.
+        spawned_into: The real paths of worlds that launch files spawn robots into.
     """
     for file in files:
         if file.suffix not in WORLD_SUFFIXES or b"<world" not in _bytes(file):
@@ -179,14 +181,15 @@ def check_worlds(
         source = load(file, [])
         if source is None:
             continue
-        here = loaded.get(Path(real_path(file)))
+        real = real_path(file)
+        here = loaded.get(Path(real))
         has_model = _has_model(file, here.environment if here else environment)
         yield from worlds.check_world(
             source.root,
             file,
             simulator=here.kind if here else simulator,
             distro=distro,
-            is_loaded=here is not None,
+            is_spawned_into=real in spawned_into,
             has_model=has_model,
         )
 

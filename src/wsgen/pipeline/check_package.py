@@ -170,6 +170,7 @@ class PackageCheck:
             self.overlay.environment,
             simulator=self.simulators[0] if len(set(self.simulators)) == 1 else None,
             distro=self.distro,
+            spawned_into=self.read,
         )
         yield from check_texts(
             self.package,

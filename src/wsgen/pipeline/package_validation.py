@@ -36,6 +36,7 @@ from wsgen.pipeline.requests import SelectedLaunchFile
 from wsgen.pipeline.simulation_result import SimulationResult
 from wsgen.pipeline.sources import name_sources
 from wsgen.pipeline.started import start
+from wsgen.pipeline.world_systems import check_systems, find_started_world
 from wsgen.rules.catalogue import unknown_rule_allowed, without_allowed
 from wsgen.rules.entities import spawned_twice
 from wsgen.rules.friction import friction_without_direction
@@ -65,6 +66,7 @@ if TYPE_CHECKING:
     from wsgen.pipeline.prepare import KnownRobots
     from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
     from wsgen.pipeline.started import Started
+    from wsgen.pipeline.world_systems import StartedWorld
     from wsgen.sdf.models import SdfFile
     from wsgen.workspace.overlay import Overlay
     from wsgen.workspace.settings import Settings
@@ -96,6 +98,8 @@ class Validation:
         self.started: Started | None = None
         self.simulator_kind: str | None = None  # "classic" or "gz"
         self.world_devices: Devices | None = None  # of a live run
+        self.world_file: Path | None = None  # that it is read from
+        self.started_world: StartedWorld | None = None  # of Gazebo Sim, where it is known
         self.diagnostics: list[Diagnostic] = []
         self.sdf_files: set[Path] = set()  # that the world and what is spawned were read from
         self.written: dict[Path, Path] = {}  # a copy of what a process writes -> its xacro file
@@ -164,9 +168,21 @@ class Validation:
             *(model.name for model in world.models if model.name),
         }
         prepared = self._describe(started, context, environment, in_world)
+        self.started_world = find_started_world(
+            started,
+            self.world_file,
+            environment=environment,
+            distro=self._distro(environment),
+        )
+        if self.started_world is not None:
+            self.diagnostics += check_systems(started, self.started_world, self.sdf_files)
         for robot in (*models, *prepared):
             self.diagnostics += friction_without_direction(robot.lumped, self.request.engines)
         return world, [*without_taken(models, [robot.entity for robot in prepared]), *prepared]
+
+    def _distro(self, environment: Mapping[str, str]) -> str | None:
+        """The distribution that the package is for, if that is known."""
+        return (self.settings and self.settings.distro) or environment.get("ROS_DISTRO")
 
     def _context(self, started: Started, folder: Path) -> tuple[PrepareContext, dict[str, str]]:
         """What it takes to complete descriptions, and the environment that they are read in."""
@@ -300,6 +316,7 @@ class Validation:
                 step.succeeded = not has_errors([missing])
                 self.diagnostics.append(missing)
                 return DEFAULT_WORLD if file is None else None, []
+            self.world_file = file
             found = self._for_simulator(read_file(file, context, environment))
             models, more = prepare_models(found, context, is_static_model=True)
             step.succeeded = not has_errors((*found.diagnostics, *more))
@@ -379,7 +396,7 @@ class Validation:
             spawn_pose=spawn.pose_in_world,
             on_the_ground=spawn.is_assumed,
             simulator=self.simulator_kind,
-            distro=(self.settings and self.settings.distro) or environment.get("ROS_DISTRO"),
+            distro=self._distro(environment),
         )
         self.diagnostics += diagnostics
         return replace(prepared, height=spawn.height) if prepared else None

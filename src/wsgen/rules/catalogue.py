@@ -90,6 +90,7 @@ MODULES = (
     "wsgen.rules.ros2_control",
     "wsgen.rules.runs",
     "wsgen.rules.simulators",
+    "wsgen.rules.systems",
     "wsgen.rules.worlds",
     "wsgen.rules.suppressions",
     "wsgen.sdf.assembly",

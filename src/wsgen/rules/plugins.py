@@ -46,9 +46,9 @@ FIRST_WITHOUT_CLASSIC = ("jazzy", "kilted", "lyrical", "rolling")
 OTHER_FRAMES = frozenset(("world", "map", "odom"))
 FRAMES_OF_SENSOR = ("gz_frame_id", "ignition_frame_id", "frame_id")
 FRAMES_OF_PLUGIN = ("frame_name", "frame_id")
-# What Gazebo Sim simulates only from Jetty on, and the distributions that have that.
+# What Gazebo Sim simulates only from Rotary on, and the distribution that may have that.
 RAYS = ("ray", "lidar")
-WITH_RAYS = ("lyrical", "rolling")
+WITH_RAYS = ("rolling",)
 # Of these sensors a plugin sends messages with a frame.
 WITH_FRAMES = frozenset(
     (
@@ -385,7 +385,7 @@ SENSOR_NOT_SIMULATED = Rule(
     severity=Severity.WARNING,
     summary="Gazebo Sim does not simulate a sensor of this type.",
     what="Looks for sensors of the types `ray` and `lidar` in robots for Gazebo Sim.",
-    why="Up to Ionic, Gazebo Sim has only laser scanners that use the graphics card: of another "
+    why="Up to Jetty, Gazebo Sim has only laser scanners that use the graphics card: of another "
     "one it logs that it is not supported, and no scan is sent.",
     example='<sensor name="laser" type="ray">',
     instead='<sensor name="laser" type="gpu_lidar">',
@@ -452,7 +452,7 @@ def sensors(facts: PluginFacts, file: Path | None) -> Iterator[Diagnostic]:
                     sensor.line,
                     place,
                     message=f"The sensor `{sensor.name}` has the type `{sensor.kind}`, which "
-                    "Gazebo Sim does not simulate before Jetty.",
+                    "Gazebo Sim does not simulate before Rotary.",
                     hint='Write type="gpu_lidar", and add the system Sensors to the world.',
                 )
             yield from _frames(sensor, tag.reference, place, facts, file)

@@ -9,9 +9,17 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.facts import DISTROS
-from wsgen.model.gazebo_systems import is_of_classic, is_of_gz, remark_on, system_of
+from wsgen.model.gazebo_systems import is_of_classic, is_of_gz, remark_on
 from wsgen.model.target import Target
 from wsgen.rules.materials import WITHOUT_COLOR_NAMES
+from wsgen.rules.systems import (
+    missing_default_systems,
+    missing_sensor_systems,
+    needs_of,
+    place_of,
+    systems_of_world,
+    systems_within,
+)
 from wsgen.sdf.includes import FUEL_MODEL, is_ground_plane, is_sun
 from wsgen.sdf.source import line_of, path_of
 from wsgen.suggestions import some_of
@@ -25,28 +33,6 @@ if TYPE_CHECKING:
     from wsgen.xmltree import Element
 
 
-MISSING_SYSTEM = Rule(
-    code="WLD063",
-    name="missing-system-plugin",
-    severity=Severity.WARNING,
-    severity_varies="information where the distribution is not known, or no launch file of the "
-    "package loads the world",
-    summary="A world loads some systems of Gazebo Sim and lacks one that every simulation needs.",
-    what="Looks for `Physics`, `UserCommands` and `SceneBroadcaster` in a world with a `<plugin>`. "
-    "Nothing is reported for distributions from Kilted on, whose Gazebo adds them.",
-    why="Up to Gazebo Harmonic a world that loads any system loads no default ones. Without "
-    "`Physics` nothing moves, without `UserCommands` nothing can be spawned, and without "
-    "`SceneBroadcaster` the window stays empty.",
-    example='<world name="w">\n'
-    '  <plugin filename="gz-sim-physics-system" name="gz::sim::systems::Physics"/>\n'
-    "</world>",
-    instead='<world name="w">\n'
-    '  <plugin filename="gz-sim-physics-system" name="gz::sim::systems::Physics"/>\n'
-    '  <plugin filename="gz-sim-user-commands-system" name="gz::sim::systems::UserCommands"/>\n'
-    '  <plugin filename="gz-sim-scene-broadcaster-system"\n'
-    '    name="gz::sim::systems::SceneBroadcaster"/>\n'
-    "</world>",
-)
 PLUGIN_OF_OTHER_SIMULATOR = Rule(
     code="WLD064",
     name="plugin-of-other-simulator",
@@ -142,12 +128,6 @@ NEWER_SDF = Rule(
     instead='<sdf version="1.9">',
 )
 
-_NEEDED = {
-    "Physics": "nothing in it moves",
-    "UserCommands": "nothing can be spawned into it",
-    "SceneBroadcaster": "the window shows nothing",
-}
-_MERGING = ("kilted", "lyrical", "rolling")  # whose Gazebo adds the default systems
 # What another Gazebo than the usual one reads that is released for the distribution: Harmonic.
 _NEWEST_BESIDE = {"humble-gz": "1.11"}
 CLOSE = 0.02  # of two rates, relative: steps are written with few digits
@@ -160,7 +140,7 @@ def check_world(  # noqa: PLR0913  facts
     *,
     simulator: str | None,
     distro: str | None,
-    is_loaded: bool,
+    is_spawned_into: bool,
     has_model: Callable[[str], bool],
 ) -> Iterator[Diagnostic]:
     """Check the worlds of an SDF file for the simulator that loads them.
@@ -170,14 +150,16 @@ def check_world(  # noqa: PLR0913  facts
         file: What the diagnostics name.
         simulator: "classic", "gz", or None where that is not known.
         distro: The distribution that the package is for, if that is known.
-        is_loaded: Whether a launch file of the package loads the world.
+        is_spawned_into: Whether a launch file of the package spawns a robot into the world: what
+            it lacks for that is reported there.
         has_model: Whether the model of an address is on this machine.
     """
     for world in children(root, "world"):
         kind = simulator or simulator_of(world)
         yield from system_names(world, file)
         if kind == "gz":
-            yield from missing_systems(world, file, distro, is_loaded=is_loaded)
+            if not is_spawned_into:
+                yield from missing_systems(world, file, distro)
             yield from plugins_of_other_simulator(world, file, kind)
             yield from models_of_classic(world, file, has_model)
             yield from no_light(world, file)
@@ -201,45 +183,17 @@ def simulator_of(world: Element) -> str | None:
     return "gz" if is_gz else "classic"
 
 
-def missing_systems(
-    world: Element, file: Path, distro: str | None, *, is_loaded: bool
-) -> Iterator[Diagnostic]:
-    """Report a world that loads systems and lacks one that every simulation needs."""
-    loaded = [
-        (plugin.get("filename") or "", plugin.get("name") or "")
-        for plugin in children(world, "plugin")
-        if not is_of_classic(plugin.get("filename") or "")
-    ]
-    if distro in _MERGING or not loaded:
-        return
-    classes = {system_of(filename) or name.rpartition("::")[2] for filename, name in loaded}
-    lacking = [name for name in _NEEDED if name not in classes]
-    if len(lacking) == len(_NEEDED) and not all(is_of_gz(*one) for one in loaded):
-        return  # plugins of somebody's own, for a simulator that is not known
-    if lacking:
-        names = " and ".join(lacking) if len(lacking) < len(_NEEDED) else ", ".join(lacking)
-        causes = "; ".join(f"without {name} {_NEEDED[name]}" for name in lacking)
-        until = "" if distro else " up to Gazebo Harmonic"
-        yield MISSING_SYSTEM.at(
-            file,
-            line_of(next(children(world, "plugin"))),
-            path_of(world),
-            message=f"The world loads systems of its own and not {names}{until}: {causes}.",
-            hint="Add "
-            + " ".join(
-                f'<plugin filename="gz-sim-{library}-system" name="gz::sim::systems::{name}"/>'
-                for name in lacking
-                for library in (_LIBRARIES[name],)
-            ),
-            severity=None if distro and is_loaded else Severity.INFO,
-        )
-
-
-_LIBRARIES = {
-    "Physics": "physics",
-    "UserCommands": "user-commands",
-    "SceneBroadcaster": "scene-broadcaster",
-}
+def missing_systems(world: Element, file: Path, distro: str | None) -> Iterator[Diagnostic]:
+    """Report what a world lacks by itself, whatever is spawned into it."""
+    systems = systems_of_world(world, distro, is_lenient=True)
+    yield from missing_default_systems(world, file, systems, is_spawned_into=False)
+    yield from missing_sensor_systems(
+        place_of(world, file),
+        systems,
+        systems_within(world),
+        needs_of(world, distro),
+        is_spawned_into=False,
+    )
 
 
 def plugins_of_other_simulator(world: Element, file: Path, simulator: str) -> Iterator[Diagnostic]:

@@ -36,6 +36,8 @@ class LiveScene:
     world: str = "default"  # its name
     devices: Mapping[str, Devices] = field(default_factory=dict)  # by entity
     world_devices: Devices | None = None  # plugins of the world
+    # The classes of the systems of Gazebo Sim that the world has without its robots; None: all.
+    systems: tuple[str, ...] | None = None
     in_world: tuple[str, ...] = ()  # entities that are there from the beginning
     descriptions: Mapping[str, str] = field(default_factory=dict)  # by entity: its URDF, if it has
     is_paused: bool = False  # at the beginning

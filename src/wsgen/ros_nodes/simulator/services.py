@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from rosgraph_msgs.msg import Clock
 
+from wsgen.model.gazebo_systems import plugin_of
 from wsgen.ros_nodes.simulator.gz_messages import message_class
 from wsgen.ros_nodes.simulator.host import Due, Plugin
 from wsgen.ros_nodes.simulator.messages import NOT_FINITE, move, pose_of
@@ -124,6 +125,11 @@ class GzServices:
         if not name or rule.ros_type != _PACKAGE + name:
             known = ", ".join(f"{one}@{_PACKAGE}{kind}" for one, (kind, _) in self._known.items())
             return f"wsgen's simulator has no service {rule.gz_topic} of that type. It has {known}."
+        if name != "ControlWorld" and not self._simulation.has("UserCommands"):
+            return (
+                f"Gazebo has no service {rule.gz_topic}: the world does not load the system "
+                f"UserCommands. Add {plugin_of('UserCommands')} to the <world>."
+            )
         if service_class(name) is None:
             return "The ROS package ros_gz_interfaces is not installed. Build it in the workspace."
         return None

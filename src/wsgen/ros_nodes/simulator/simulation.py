@@ -10,6 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 from wsgen.model.devices import Devices, in_namespace
 from wsgen.model.gazebo_plugins import stem
+from wsgen.model.gazebo_systems import (
+    DEFAULT_SYSTEMS,
+    SYSTEM_OF_SENSOR,
+    loaded_class,
+    plugin_of,
+)
 from wsgen.ros_nodes.simulator.host import CannotWorkError, Due, Host, RobotHandle
 from wsgen.ros_nodes.simulator.names import BadNameError
 from wsgen.ros_nodes.simulator.plugins import DONE_BY_SIMULATOR, PLUGINS, WORLD_PLUGINS
@@ -20,6 +26,7 @@ from wsgen.simulation.simulate import spawn_robots
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from wsgen.model.devices import MountedSensor
     from wsgen.model.transform import Pose
     from wsgen.ros_nodes.simulator.host import Plugin
     from wsgen.ros_nodes.simulator.ros import Ros
@@ -100,19 +107,35 @@ class LiveSimulation:
         # What spawners of the launch file have not put into the world so far.
         self.awaited = {robot.entity for robot in scene.scene.robots}
         self._poses: dict[str, Pose] = {}  # where robots were spawned
+        # The systems of Gazebo Sim that are there; None: nothing is missing.
+        self._systems = None if scene.systems is None else set(scene.systems)
+        # Sensors whose system is missing, which a robot may bring.
+        self._waiting: list[tuple[RobotHandle, MountedSensor]] = []
         self._due: list[Due] = []
         self._steps = 0  # since the time was 0
         self._next_look = 0.0
         self._bridges_checked = math.inf  # s, simulated
         for robot in scene.scene.robots:
             if robot.is_static_model or robot.entity in scene.in_world:
-                self.spawn(robot.entity)
+                self._put(robot.entity)
         self._due += self._world_plugins()
+        if not self.has("Physics"):
+            self._tell_missing("Physics", "nothing in it moves")
 
     @property
     def now(self) -> float:
         """The simulated time, s."""
         return self.host.now
+
+    def has(self, system: str) -> bool:
+        """Whether a system of Gazebo Sim is there; of Gazebo Classic, nothing is missing."""
+        return self._systems is None or system in self._systems
+
+    def _tell_missing(self, system: str, consequence: str) -> None:
+        self.host.warn(
+            f"The world `{self.scene.world}` does not load the system {system}: {consequence}. "
+            f"{_add(system)}"
+        )
 
     def awaits(self, entity: str, new: NewEntity | None = None) -> bool:
         """Whether a robot of that name is prepared that has not been in the world so far.
@@ -173,8 +196,21 @@ class LiveSimulation:
 
         Raises:
             RefusedError: There is no such robot, or it is there already, or the engine does not
-                take it.
+                take it, or Gazebo would not answer.
         """
+        self._require_commands()
+        self._put(entity, namespace)
+
+    def _require_commands(self) -> None:
+        """Raise RefusedError if nothing in Gazebo takes commands."""
+        if not self.has("UserCommands"):
+            raise RefusedError(
+                f"The world `{self.scene.world}` does not load the system UserCommands: Gazebo has "
+                "no services that spawn, move and remove.",
+                _add("UserCommands"),
+            )
+
+    def _put(self, entity: str, namespace: str = "") -> None:
         robot = self._known.get(entity)
         if robot is None:
             raise RefusedError(
@@ -200,6 +236,7 @@ class LiveSimulation:
             self._descriptions.get(entity),
         )
         self.host.robots[entity] = handle
+        self._add_systems(handle.devices)
         self._due += self._plugins(handle)
         self._bridges_checked = self.host.now + BRIDGES_AFTER
 
@@ -211,8 +248,12 @@ class LiveSimulation:
         """Take a robot out of the world.
 
         Raises:
-            RefusedError: It is not there.
+            RefusedError: It is not there, or Gazebo would not answer.
         """
+        self._require_commands()
+        self._take(entity)
+
+    def _take(self, entity: str) -> None:
         robot = self.host.robots.pop(entity, None)
         if robot is None:
             raise RefusedError(
@@ -223,6 +264,7 @@ class LiveSimulation:
             if due.robot is robot:
                 due.plugin.close()
         self._due = [due for due in self._due if due.robot is not robot]
+        self._waiting = [one for one in self._waiting if one[0] is not robot]
         for end in reversed(robot.ends):
             end()
         self.engine.remove(entity)
@@ -249,7 +291,8 @@ class LiveSimulation:
             target = min([until, *(due.next for due in self._due)])
             step = self.host.step_seconds
             steps = max(1, math.ceil((target - self.host.now) / step - TINY / step))
-            self.engine.advance(steps)
+            if self.has("Physics"):
+                self.engine.advance(steps)
             self._steps += steps
             self.host.now = round(self._steps * step, 9)
             self.host.moment += 1
@@ -278,7 +321,19 @@ class LiveSimulation:
                     "more. It was taken out of the world. `wsgen validate` says what may be wrong "
                     "with it."
                 )
-                self.delete(entity)
+                self._take(entity)
+
+    def _add_systems(self, devices: Devices) -> None:
+        """Have the systems that a robot brings; those that ask for the name of a world fail."""
+        if self._systems is None:
+            return
+        plugins = (*devices.plugins, *(one for sensor in devices.sensors for one in sensor.plugins))
+        names = (one.attributes for one in plugins)
+        classes = {loaded_class(one.get("filename", ""), one.get("name", "")) for one in names}
+        self._systems |= {one for one in classes if one and one not in DEFAULT_SYSTEMS}
+        waiting, self._waiting = self._waiting, []
+        for robot, sensor in waiting:
+            self._due += self._sensor(robot, sensor)
 
     def _plugins(self, robot: RobotHandle) -> Iterator[Due]:
         for element in robot.devices.plugins:
@@ -287,8 +342,16 @@ class LiveSimulation:
                 robot, PLUGINS.get(stem(filename)), element, f"plugin `{filename}`", stem(filename)
             )
         for sensor in robot.devices.sensors:
-            name = f"{sensor.kind} sensor `{sensor.name}`"
-            yield from self._plugin(robot, SENSORS.get(sensor.kind), sensor, name, sensor.kind)
+            yield from self._sensor(robot, sensor)
+
+    def _sensor(self, robot: RobotHandle, sensor: MountedSensor) -> Iterator[Due]:
+        where, name = SENSORS.get(sensor.kind), f"{sensor.kind} sensor `{sensor.name}`"
+        system = SYSTEM_OF_SENSOR.get(sensor.kind)
+        if where is not None and system is not None and not self.has(system):
+            self._waiting.append((robot, sensor))
+            self._tell_missing(system, f"the {name} of `{robot.entity}` sends nothing")
+            return
+        yield from self._plugin(robot, where, sensor, name, sensor.kind)
 
     def _world_plugins(self) -> Iterator[Due]:
         devices = self.scene.world_devices
@@ -340,6 +403,12 @@ class LiveSimulation:
         for due in self._due:
             due.plugin.close()
         self.engine.close()
+
+
+def _add(system: str) -> str:
+    if system == "CpuLidar":  # older Gazebos have none
+        return 'Write type="gpu_lidar", and have the world load the system Sensors.'
+    return f"Add {plugin_of(system)} to the <world>."
 
 
 def _end(robot: RobotHandle | None, kept: int) -> None:

@@ -38,8 +38,8 @@ WORLD_PLUGINS: dict[str, str] = {
     "gazebo_ros_state": "wsgen.ros_nodes.simulator.world_state:WorldState"
 }
 
-# What the simulator does by itself, or what needs nothing done, by the same names. Sensors work by
-# themselves, whether a system is there for them or not.
+# What the simulator does by itself, or what needs nothing done, by the same names. A system for
+# sensors is only looked for.
 DONE_BY_SIMULATOR = frozenset(
     (
         *("gazebo_ros_init", "gazebo_ros_factory", "gazebo_ros_state", "gazebo_ros_properties"),
