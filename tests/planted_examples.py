@@ -827,6 +827,7 @@ LAUNCHES: dict[str, Plant] = {
         }
     ),
     "LCH006": launch(GZ + CREATE + "@, LogInfo(msg=LaunchConfiguration('world'))])\n"),
+    "LCH092": launch(GZ + CREATE + "@, LogInfo(msg=LaunchConfiguration('robot'))])\n"),
     "LCH008": Plant(
         file="urdf/my_robot.urdf.xacro",
         around=put(

@@ -63,6 +63,17 @@ def test_what_spawns_into_a_simulator() -> None:
     assert reasons(*found) == []
 
 
+def test_a_world_that_is_missing_is_shown() -> None:
+    world = candidate("world")
+    lacking = world._replace(started=world.started._replace(lacks_world=True))
+    assert chosen(lacking) == ["world"]
+    outer = candidate("sim", robot("r"), includes=("world",))
+    assert chosen(lacking, outer) == ["sim"]
+    incomplete = world._replace(started=world.started._replace(lacks_model="w.sdf: no model."))
+    assert chosen(incomplete) == []
+    assert reasons(incomplete) == ["w.sdf: no model"]
+
+
 def test_the_outer_one_of_any_package() -> None:
     inner = candidate("sim", robot("r"), package="sim")
     outer = candidate("robot", robot("r", x=1), includes=("sim",), package="bringup")

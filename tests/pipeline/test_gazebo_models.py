@@ -87,6 +87,24 @@ def test_robots_of_a_world(tmp_path: Path, written: str, names: set[str]) -> Non
     assert find_robots(plan(file), {}, no_share).are_meant == bool(names)
 
 
+def test_what_may_have_a_robot_and_is_not_there(tmp_path: Path) -> None:
+    sun = "<include><uri>model://sun</uri></include>"
+    missing = "<include><uri>model://my_vessel</uri></include>"
+    found = find_robots(plan(world(tmp_path, sun, missing)), {}, no_share)
+    assert not found.lack_world
+    assert "w.sdf: The model `model://my_vessel`" in (found.lack_model or "")
+    assert find_robots(plan(world(tmp_path, sun, model("m"), missing)), {}, no_share).are_meant
+    assert find_robots(plan(world(tmp_path, sun)), {}, no_share).lack_model is None
+    for name in (tmp_path / "no.sdf", "no.sdf"):
+        found = find_robots(plan(name), {}, no_share)
+        assert found.lack_world
+        assert not found.diagnostics
+    for name in ("empty.sdf", "https://example.org/w.sdf", "/opt/ros/iron/share/other/w.world"):
+        assert not find_robots(plan(name), {}, no_share).lack_world
+    written = replace(plan(tmp_path / "made.sdf"), written={str(tmp_path / "made.sdf"): "<sdf/>"})
+    assert not find_robots(written, {}, no_share).lack_world
+
+
 def test_models_of_gazebo_are_no_robots(tmp_path: Path) -> None:
     environment = {"HOME": str(tmp_path)}
     folder = tmp_path / ".gazebo" / "models" / "crane"

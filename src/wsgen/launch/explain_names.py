@@ -190,6 +190,14 @@ def of_name(error: BaseException) -> Explanation | None:
             f"Put quotes round it: '{name}'.",
             element=name,
         )
+    if name in {"true", "false"} and _last_file(error) not in RECORD.launch_files:
+        return Explanation(
+            UNDEFINED_NAME,
+            f"`PythonExpression` gets `{name}`, which is no name of Python: {error}.",
+            f"Write {name.title()} as the value of the argument, or compare its text: "
+            f"""PythonExpression(["'", LaunchConfiguration(NAME), "' == '{name}'"]).""",
+            element=name,
+        )
     known = _visible_names(error)
     near = nearest(name, {*known, *_importable_names()})
     hint = "Check the spelling, define it above this line, or, if it is text, put quotes round it."
@@ -206,6 +214,11 @@ def _visible_names(error: BaseException) -> set[str]:
     return {
         name for scope in (*scopes, vars(builtins)) for name in scope if not name.startswith("_")
     }
+
+
+def _last_file(error: BaseException) -> str | None:
+    frame = _last_frame(error.__traceback__)
+    return None if frame is None else frame.f_code.co_filename
 
 
 def _last_frame(step: TracebackType | None) -> FrameType | None:

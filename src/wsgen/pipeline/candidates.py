@@ -112,7 +112,7 @@ def evaluate_launch_files(
     else:
         run_parallel(lambda run: [partial(call, file, run) for file in files], jobs, serial, ended)
     first = ended[0].started
-    found = first.diagnostics if first.has_spawner else first.plan.diagnostics
+    found = first.diagnostics if first.may_spawn else first.plan.diagnostics
     post(
         listener,
         StepEnded(
@@ -155,7 +155,7 @@ def choose(
     spawns a robot, its nodes may, in a simulator that a launch file starts.
     """
     evaluated = [one for one in found if one.started.is_evaluated]
-    spawning = [one for one in evaluated if one.started.has_spawner]
+    spawning = [one for one in evaluated if one.started.may_spawn]
     outer: list[Candidate] = []
     others: list[tuple[Candidate, str]] = []
     for one in spawning:
@@ -164,6 +164,11 @@ def choose(
             outer.append(one)
         elif includer.package != one.package:
             others.append((one, f"included by {includer.name}"))
+    others += [
+        (one, one.started.lacks_model.removesuffix("."))
+        for one in evaluated
+        if one.started.lacks_model and _includer(one, evaluated) is None
+    ]
     outer += _waiting_for_robots(evaluated, {*running} - {one.package for one in spawning})
     simulating = [one for one in outer if one.started.simulator]
     chosen = [one for one in outer if one.started.simulator or not _is_simulated(one, simulating)]

@@ -250,7 +250,11 @@ class PackageCheck:
             )
             yield from check_addresses(started, self.overlay.share)
             same = simulation_of(one)
-            if not started.is_evaluated or not started.has_spawner or same in known:
+            may_spawn = started.has_spawner or (
+                # Where it is included, it may be given another world.
+                started.lacks_world and not is_included(one, candidates)
+            )
+            if not started.is_evaluated or not may_spawn or same in known:
                 continue
             known.add(same)
             selected = SelectedPackage(

@@ -12,7 +12,16 @@ from wsgen.isolation import parent
 from wsgen.launch.simulators import find_simulator
 from wsgen.launch.spawning import assume_spawn, find_spawns
 from wsgen.pipeline.prepare import PrepareContext, find_model, read_file
-from wsgen.sdf.lookup import file_of_model, find_world, is_file, is_folder, is_of_gazebo
+from wsgen.sdf.includes import DOWNLOADED, MODEL_LEFT_OUT
+from wsgen.sdf.lookup import (
+    file_of_model,
+    find_world,
+    is_brought_along,
+    is_file,
+    is_folder,
+    is_of_gazebo,
+    is_there,
+)
 from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
@@ -47,6 +56,8 @@ class FoundRobots(NamedTuple):
     spawns: tuple[Spawn, ...]
     diagnostics: tuple[Diagnostic, ...]
     are_meant: bool  # it puts a robot into a simulator, or would without its mistakes
+    lack_world: bool = False  # nothing does; the world that may have one is not found
+    lack_model: str | None = None  # nothing does; what is said of a model that the world includes
 
 
 def find_robots(plan: LaunchPlan, environment: Mapping[str, str], share_of: ShareOf) -> FoundRobots:
@@ -55,27 +66,46 @@ def find_robots(plan: LaunchPlan, environment: Mapping[str, str], share_of: Shar
     `environment` is that of the launch, without what the launch file sets.
     """
     spawns, not_spawned = find_spawns(plan)
-    if spawns or not_spawned or _has_robot_in_world(plan, environment, share_of):
+    simulator, _ = find_simulator(plan)
+    world = simulator.world if simulator else None
+    variables = {**environment, **plan.environment}
+    file = find_world(world, variables) if world else None
+    if spawns or not_spawned:
         return FoundRobots(spawns, not_spawned, are_meant=True)
+    read = _read_models(file, variables, share_of) if file else None
+    if read is not None and robots_of_world(read, variables):
+        return FoundRobots((), (), are_meant=True)
     assumed, found = assume_spawn(plan)
     if assumed is not None:
         return FoundRobots((assumed,), (found,), are_meant=True)
+    is_written = world is not None and str(Path(world).absolute()) in plan.written
+    is_here = is_written or (file is not None and is_there(file))
+    if world and not (is_here or "://" in world or is_brought_along(world)):
+        return FoundRobots((), (), are_meant=False, lack_world=True)
     # An action that was created and not added is named as the element.
-    return FoundRobots((), (found,), are_meant=found.element is not None)
+    return FoundRobots(
+        (), (found,), are_meant=found.element is not None, lack_model=_left_out(read)
+    )
 
 
-def _has_robot_in_world(
-    plan: LaunchPlan, environment: Mapping[str, str], share_of: ShareOf
-) -> bool:
-    simulator, _ = find_simulator(plan)
-    if simulator is None or not simulator.world:
-        return False
-    variables = {**environment, **plan.environment}
-    file = find_world(simulator.world, variables)
-    if file is None or not _may_hold_robots(file):
-        return False
+def _read_models(file: Path, environment: Mapping[str, str], share_of: ShareOf) -> SdfFile | None:
+    """What is in a world; None where that cannot be robots."""
+    if not _may_hold_robots(file):
+        return None
     context = PrepareContext(share_of=share_of, folder=Path(), run=parent.run)
-    return bool(robots_of_world(read_file(file, context, variables), variables))
+    return read_file(file, context, environment)
+
+
+def _left_out(world: SdfFile | None) -> str | None:
+    """What is said of an included model that is neither here nor one that Gazebo brings along."""
+    return next(
+        (
+            f"{Path(found.file or '').name}: {found.message}"
+            for found in (world.diagnostics if world else ())
+            if found.code == MODEL_LEFT_OUT.code and found.reason != DOWNLOADED
+        ),
+        None,
+    )
 
 
 def _may_hold_robots(file: Path) -> bool:

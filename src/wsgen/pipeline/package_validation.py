@@ -41,6 +41,7 @@ from wsgen.rules.catalogue import unknown_rule_allowed, without_allowed
 from wsgen.rules.entities import spawned_twice
 from wsgen.rules.friction import friction_without_direction
 from wsgen.rules.named_worlds import (
+    UNKNOWN_WORLD,
     is_folder_reported,
     missing_world,
     unknown_world,
@@ -613,7 +614,8 @@ def may_come_later(found: Diagnostic) -> Diagnostic:
 
 def why_nothing_is_simulated(plan: LaunchPlan, found: Sequence[Diagnostic]) -> list[Diagnostic]:
     """The diagnostics with an error: each that says why a robot is missing, or one more."""
-    codes = {rule.code for rule in (DATABASE_MODEL, UNKNOWN_DESCRIPTION, UNPUBLISHED_DESCRIPTION)}
+    reasons = (DATABASE_MODEL, UNKNOWN_DESCRIPTION, UNPUBLISHED_DESCRIPTION, UNKNOWN_WORLD)
+    codes = {rule.code for rule in reasons}
     if codes.isdisjoint(one.code for one in found):
         missing = NO_ROBOT.at(
             plan.launch_file,

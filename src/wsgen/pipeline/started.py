@@ -20,7 +20,7 @@ from wsgen.pipeline.gazebo_models import find_robots
 from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
@@ -42,6 +42,14 @@ class Started(NamedTuple):
     has_spawner: bool
     seconds: float  # wall-clock
     is_evaluated: bool  # to its end; or without helpers that are missing, where it spawns robots
+    # It starts a simulator in a world that is not found, and spawns nothing itself.
+    lacks_world: bool = False
+    lacks_model: str | None = None  # the same of a model of its world: what is said of that
+
+    @property
+    def may_spawn(self) -> bool:
+        """Whether it has a spawner, or its world may have a robot."""
+        return self.has_spawner or self.lacks_world
 
 
 DESCRIPTION_FROM_ELSEWHERE = Rule(
@@ -61,18 +69,36 @@ DESCRIPTION_FROM_ELSEWHERE = Rule(
 def start(
     launch_file: Path, package: str | None, overlay: Overlay, request: ValidateRequest, run: Run
 ) -> Started:
-    """Evaluate a launch file of a package with the arguments of the request; see `evaluate`."""
+    """Evaluate a launch file of a package with the arguments of the request; see `evaluate`.
+
+    Where it fails for want of a value of an argument, those that it names are tried.
+    """
     before = time.perf_counter()
     if package is not None:
         overlay.look_up(package)  # the launch file is in its share folder
-    plan = evaluate(
-        launch_file,
-        package=package,
-        arguments=request.launch_arguments,
-        environment=overlay.environment,
-        answers=request.answers,
-        run=run,
-    )
+    given = request.launch_arguments
+
+    def play(more: Mapping[str, str], *, only_arguments: bool = False) -> LaunchPlan:
+        return evaluate(
+            launch_file,
+            package=package,
+            arguments={**given, **more},
+            environment=overlay.environment,
+            answers=request.answers,
+            only_arguments=only_arguments,
+            run=run,
+        )
+
+    plan = play({})
+    if has_errors(plan.diagnostics) and not request.is_live:
+        # It loads what explains errors, which most workspaces do not need.
+        from wsgen.launch.alternatives import alternatives, with_assumed  # noqa: PLC0415
+
+        for values in alternatives(plan, given, lambda: play({}, only_arguments=True).arguments):
+            other = play(values)
+            if not has_errors(other.diagnostics):
+                plan = with_assumed(other, plan, values)
+                break
     return read_plan(name_markers(plan, overlay), overlay, time.perf_counter() - before)
 
 
@@ -102,13 +128,17 @@ def read_plan(plan: LaunchPlan, overlay: Overlay, seconds: float) -> Started:
         if not lacks_something or one.severity is Severity.INFO
     )
     # A helper that is missing does not keep the robots from being simulated.
-    is_evaluated = not lacks_something or (plan.is_complete and robots.are_meant)
+    is_evaluated = not lacks_something or (
+        plan.is_complete and (robots.are_meant or robots.lack_world)
+    )
     return Started(
         plan=plan,
         simulator=simulator,
         spawns=robots.spawns if is_evaluated else (),
         diagnostics=(*plan.diagnostics, *found),
         has_spawner=robots.are_meant,
+        lacks_world=robots.lack_world,
+        lacks_model=robots.lack_model,
         seconds=seconds,
         is_evaluated=is_evaluated,
     )

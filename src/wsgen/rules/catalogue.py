@@ -39,6 +39,7 @@ MODULES = (
     "wsgen.build_files.python_checks",
     "wsgen.build_files.python_sources",
     "wsgen.description_rules",
+    "wsgen.launch.alternatives",
     "wsgen.launch.commands",
     "wsgen.launch.descriptions",
     "wsgen.launch.evaluate",

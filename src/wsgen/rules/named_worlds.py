@@ -10,7 +10,7 @@ from wsgen.launch.explain_missing import first_missing, first_missing_path, wher
 from wsgen.launch.known_packages import package_of
 from wsgen.launch.other_places import find_in_package, in_python
 from wsgen.sdf.lookup import EMPTY_WORLDS, gazebo_worlds, world_names
-from wsgen.suggestions import advice
+from wsgen.suggestions import MOST_LISTED, advice
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -35,6 +35,14 @@ MISSING_WORLD = Rule(
 def missing_world(plan: LaunchPlan, file: Path, overlay: Overlay) -> Diagnostic:
     """Report the path of a world that does not exist, at the line that writes it."""
     missing, beside = first_missing(str(file))
+    worlds = [name for name in beside if name.endswith((".sdf", ".world"))]
+    otherwise = (
+        "Add its folder to an install(DIRECTORY ...) rule of CMakeLists.txt, then run "
+        "`wsgen build`."
+    )
+    if missing == file.name:  # its folder is installed
+        named = f": {', '.join(sorted(worlds)[:MOST_LISTED])}" if worlds else ""
+        otherwise = f"Create and install it, or use a world that is there{named}."
     # What is validated does not use the packages that are tried here: no look_up().
     place = find_in_package(str(file), overlay.share)
     return MISSING_WORLD.at(
@@ -46,8 +54,7 @@ def missing_world(plan: LaunchPlan, file: Path, overlay: Overlay) -> Diagnostic:
         else advice(
             missing,
             beside,
-            "Add its folder to an install(DIRECTORY ...) rule of CMakeLists.txt, then run "
-            "`wsgen build`."
+            otherwise
             if package_of(str(file))
             else "Check the path. A file that a package installs is found on every machine: "
             "get_package_share_directory('PACKAGE').",
