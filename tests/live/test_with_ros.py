@@ -239,10 +239,12 @@ def test_nothing_is_left_of_a_run_that_is_ended(workspace: Path, tmp_path: Path,
     """Neither a process, nor shared memory, nor a port, whoever is killed."""
     before = _shared_memory() | _ports()
     screen = tmp_path / "screen"
+    # As a script has it in the background.
+    ignoring = ["sh", "-c", "trap '' INT; exec \"$@\"", "sh"] if way == "SIGINT" else []
     with (
         screen.open("wb") as stream,
         subprocess.Popen(
-            _command("gazebo_model.launch.py", "--run"),
+            [*ignoring, *_command("gazebo_model.launch.py", "--run")],
             cwd=workspace,
             env=_environment(tmp_path),
             stdout=stream,

@@ -213,6 +213,21 @@ def _unwind_at_signals() -> None:
     sys.unraisablehook = raise_again
 
 
+def take_all_signals() -> None:
+    """Let SIGINT and SIGTERM end wsgen also where who has started it ignores them.
+
+    A shell has what a script starts in the background ignore SIGINT; `ros2 launch` does not.
+    """
+    import signal
+
+    taken = (signal.SIGINT, signal.SIGTERM)
+    ignored = [number for number in taken if signal.getsignal(number) is signal.SIG_IGN]
+    for number in ignored:
+        signal.signal(number, signal.SIG_DFL)
+    if ignored:
+        _unwind_at_signals()
+
+
 def raise_dropped_end() -> None:
     """Raise again what a signal has raised, if the command goes on all the same.
 

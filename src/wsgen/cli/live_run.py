@@ -67,7 +67,7 @@ def run(
     from wsgen.live.linux import require_linux
 
     require_linux("--run", "--play simulates the robots here.")
-    from wsgen.cli import raise_dropped_end
+    from wsgen.cli import raise_dropped_end, take_all_signals
     from wsgen.cli.progress import listening
     from wsgen.cli.words import tell_unfinished, unwritten, written
     from wsgen.live.prepare import RunRequest
@@ -75,6 +75,7 @@ def run(
     from wsgen.pipeline.engines import check_engines
     from wsgen.ros_environment import open_ros
 
+    take_all_signals()
     check_engines(request.engines)
     if page is not None or recordings.video is not None:
         from dataclasses import replace
