@@ -14,6 +14,7 @@ import click
 import pytest
 
 import wsgen.cli
+from wsgen.cli.options import Choice
 from wsgen.errors import NotFoundError, NotReadableError, RequestError, WouldOverwriteError
 
 
@@ -236,11 +237,19 @@ def test_an_interrupt_ends_with_130(tmp_path: Path) -> None:
         (["new", "a", "b"], "unexpected extra argument (b).", "wsgen new --help"),
         (["new", "a", "--simm", "gz"], "wsgen new has no option --simm.", "Did you mean `--sim`?"),
         (["new", "a", "--sim", "gazebo"], "'gazebo' is not one of 'classic', 'gz'.", "wsgen new"),
-        (["validate", "--seconds", "many"], "'many' is not a valid", "wsgen validate --help"),
+        (["validate", "--seconds", "many"], "'many' is not a number.", "wsgen validate --help"),
         (["validate", "--seconds"], "Option '--seconds' requires an argument.", "wsgen"),
         (["validate", "--verbos"], "wsgen validate has no option --verbos.", "`--verbose`?"),
         (["launch"], "Missing argument", "wsgen launch [OPTIONS]"),
-        (["topic", "eco"], "No such command 'eco'.", "wsgen topic"),
+        (["topic", "eco"], "'eco' is not a command of wsgen topic.", "wsgen topic echo"),
+        (["help", "vew"], "'vew' is not a command of wsgen.", "wsgen view"),
+        (["check", "-j", "two"], "'two' is not an integer.", "wsgen check --help"),
+        (["new", "ab", "--distro", "jazy"], "'jazy' is not a ROS 2", "`--distro jazzy`?"),
+        (["new", "ab", "-t", "difdrive"], "Template 'difdrive' does not", "`diff_drive`?"),
+        (["validate", "--engine", "bulet"], "'bulet' is not one of", "Did you mean `bullet`?"),
+        (["validate", "--engine", "both"], "'both' is not one of", "Did you mean `all`?"),
+        (["check", "--format", "jsn"], "'jsn' is not one of", "Did you mean `json`?"),
+        (["check", "--select", "LHC020"], "name or code 'LHC020'.", "Did you mean `LCH020`?"),
         (["--bogus"], "wsgen has no option --bogus.", "wsgen --help"),
     ],
 )
@@ -256,6 +265,35 @@ def test_errors_of_click_have_the_form_of_all_errors(
     assert not said.endswith(("..", "?."))
     assert simulated.startswith("  try: ")
     assert hint in simulated
+
+
+@pytest.mark.parametrize(
+    ("words", "same"),
+    [
+        (["help"], ["--help"]),
+        (["help", "help"], ["--help"]),
+        (["help", "validate"], ["validate", "--help"]),
+        (["help", "topic", "echo"], ["topic", "echo", "--help"]),
+        (["topic", "help", "echo"], ["topic", "echo", "--help"]),
+    ],
+)
+def test_help_is_a_command(
+    words: list[str], same: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert wsgen.cli.run(words) == 0
+    shown = capsys.readouterr().out
+    assert wsgen.cli.run(same) == 0
+    assert capsys.readouterr().out == shown
+
+
+@pytest.mark.parametrize("name", wsgen.cli.COMMANDS)
+def test_a_misspelled_value_of_an_option_is_met_with_the_nearest(name: str) -> None:
+    command = wsgen.cli.wsgen.get_command(click.Context(wsgen.cli.wsgen), name)
+    assert command is not None
+    for one in (command, *getattr(command, "commands", {}).values()):
+        for parameter in one.params:
+            is_choice = isinstance(parameter.type, click.Choice)
+            assert not is_choice or isinstance(parameter.type, Choice), parameter.name
 
 
 @pytest.mark.parametrize("name", wsgen.cli.COMMANDS)

@@ -10,6 +10,7 @@ import gc
 import importlib
 import io
 import os
+import re
 import sys
 from typing import TYPE_CHECKING
 
@@ -51,10 +52,38 @@ COMMANDS = {
     "rule": "List all rules, or show the documentation of one.",
     "doctor": "Show what this machine has and lacks for a target, and the commands that fix it.",
 }
+HELP = "help"
 MODULES = {"run": "run_program"}  # of commands whose names are taken in this package
 
 
-class CommandTable(click.Group):
+class Commands(click.Group):
+    """A group with the command `help`, which suggests the nearest name for a misspelled one."""
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command; `help COMMAND` is `COMMAND --help`."""
+        name, *rest = args
+        known = self.list_commands(ctx)
+        if name == HELP and not ctx.resilient_parsing:
+            if not rest or rest[0] in {HELP, *ctx.help_option_names}:
+                click.echo(ctx.get_help(), color=ctx.color)
+                ctx.exit()
+            return self.resolve_command(ctx, [*rest, "--help"])
+        if name == HELP:
+            return name, self, rest
+        if name not in known and not name.startswith("-") and not ctx.resilient_parsing:
+            from wsgen.suggestions import nearest
+
+            near = nearest(name, known) or " | ".join(known)
+            raise RequestError(
+                f"{name!r} is not a command of {ctx.command_path}.",
+                hint=f"{ctx.command_path} {near}",
+            )
+        return super().resolve_command(ctx, args)
+
+
+class CommandTable(Commands):
     """A group whose commands are modules, imported one at a time."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002  click's signature
@@ -77,16 +106,11 @@ class CommandTable(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the command; suggest the nearest one for a misspelled name."""
+        """Find the command; of what follows a name, or a misspelled one, in a completion, too."""
         name = args[0]
-        if ctx.resilient_parsing:  # completion of what follows a name, or of a misspelled one
+        if ctx.resilient_parsing and name != HELP:
             command = self._import_command(name) if name in COMMANDS else None
             return name if command else None, command, args[1:]
-        if name not in COMMANDS and not name.startswith("-"):
-            from wsgen.suggestions import nearest
-
-            near = nearest(name, COMMANDS) or " | ".join(COMMANDS)
-            raise RequestError(f"{name!r} is not a command of wsgen.", hint=f"wsgen {near}")
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002  click's signature
@@ -98,7 +122,8 @@ class CommandTable(click.Group):
 @click.group(
     cls=CommandTable,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
-    epilog="Start with: wsgen new my_robot && wsgen build && wsgen validate",
+    epilog="Start with: wsgen new my_robot && wsgen build && wsgen validate. Options of a command: "
+    "wsgen help COMMAND",
 )
 @click.version_option(__version__, message="%(prog)s %(version)s")
 def wsgen() -> None:
@@ -313,6 +338,8 @@ def _print_usage_error(error: click.ClickException, *, color: bool | None) -> No
     usage = " ".join(ctx.get_usage().partition(" ")[2].split())
     hint = did_you_mean(near[0]) if near else f"{usage} (options: {ctx.command_path} --help)"
     # click has a question at the end of some: did you mean another command?
+    for kind, one in (("float", "a number"), ("integer", "an integer")):
+        message = re.sub(rf"is not a valid {kind}( range)?\b", f"is not {one}", message)
     message = message.rstrip(".")
     _print_error(message if message.endswith("?") else f"{message}.", hint, color=color)
 

@@ -9,6 +9,7 @@ import click
 
 from wsgen.cli.completion import complete_rules
 from wsgen.cli.options import (
+    Choice,
     ExampleCommand,
     jobs_option,
     output_options,
@@ -90,7 +91,7 @@ FORMATS = ("text", "json", "github", "sarif", "junit")
 @click.option(
     "--format",
     "output_format",
-    type=click.Choice(FORMATS),
+    type=Choice(FORMATS),
     default="text",
     show_default=True,
     help="Format of the result on standard output.",

@@ -48,7 +48,7 @@ class RateType(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # newe
         except ValueError:
             rate = 0.0
         if not 0.0 < rate < float("inf"):
-            self.fail(f"{value!r} is no rate: a number above 0, or `max`.", param, ctx)
+            self.fail(f"{value!r} is neither a number above 0 nor `max`.", param, ctx)
         return rate
 
 

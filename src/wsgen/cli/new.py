@@ -8,6 +8,7 @@ import click
 
 from wsgen.cli.completion import complete_templates
 from wsgen.cli.options import (
+    Choice,
     ExampleCommand,
     chosen_engines,
     chosen_target,
@@ -80,7 +81,7 @@ class NewCommand(ExampleCommand):
 @click.option("--maintainer-email", metavar="ADDRESS", help="[default: git's user.email]")
 @click.option(
     "--ci",
-    type=click.Choice(["github", "gitlab"]),
+    type=Choice(["github", "gitlab"]),
     help="Also write a CI workflow that builds with wsgen and with the target's ROS.",
 )
 @click.option("--dry-run", is_flag=True, help="List the files without writing them.")

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
 from wsgen.errors import RequestError
-from wsgen.suggestions import did_you_mean
+from wsgen.suggestions import did_you_mean, nearest
 
 if TYPE_CHECKING:
     from wsgen.model.target import Target
@@ -32,6 +32,29 @@ class ExampleCommand(click.Command):
                 formatter.write(f"{'':{formatter.current_indent}}{example}\n")
 
 
+class Choice(click.Choice[str]):
+    """One of some words; a misspelled one is met with the nearest.
+
+    Args:
+        words: That may be given.
+        meant: Other names, and the word that each of them means, to be suggested.
+    """
+
+    def __init__(self, words: Sequence[str], meant: Mapping[str, str] | None = None) -> None:
+        super().__init__(words, case_sensitive=False)
+        self.meant = meant or {}
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """The word that is given."""
+        try:
+            return super().convert(value, param, ctx)
+        except click.BadParameter as error:
+            near = self.meant.get(value.lower()) or nearest(value.lower(), self.choices)
+            if near is None:
+                raise
+            raise RequestError(f"{error.format_message()}", hint=did_you_mean(near)) from error
+
+
 workspace_option = click.option(
     "-w",
     "--workspace",
@@ -43,7 +66,7 @@ workspace_option = click.option(
 format_option = click.option(
     "--format",
     "output_format",
-    type=click.Choice(["text", "json"]),
+    type=Choice(["text", "json"]),
     default="text",
     show_default=True,
     help="Format of the result on standard output.",
@@ -52,7 +75,7 @@ format_option = click.option(
 github_format_option = click.option(
     "--format",
     "output_format",
-    type=click.Choice(["text", "json", "github"]),
+    type=Choice(["text", "json", "github"]),
     default="text",
     show_default=True,
     help="Format of the result on standard output; `github` annotates the files of a pull request.",
@@ -68,7 +91,7 @@ distro_option = click.option(
 
 sim_option = click.option(
     "--sim",
-    type=click.Choice(["classic", "gz"]),
+    type=Choice(["classic", "gz"], meant={"ign": "gz", "ignition": "gz"}),
     help="Target simulator: Gazebo Classic or Gazebo Sim.  [default: classic on iron, else gz]",
 )
 
@@ -101,23 +124,12 @@ seconds_option = click.option(
 )
 
 
-class _EngineChoice(click.Choice[str]):
-    """The names of the engines, and `all`."""
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        if value == "both":  # as it was called while there were two
-            raise RequestError("wsgen has no engine `both`.", hint=did_you_mean("--engine all"))
-        if value.lower() in {"pybullet", "dartsim"}:
-            name = "bullet" if value.lower() == "pybullet" else "dart"
-            raise RequestError(
-                f"wsgen has no engine `{value}`.", hint=did_you_mean(f"--engine {name}")
-            )
-        return super().convert(value, param, ctx)
-
-
 engine_option = click.option(
     "--engine",
-    type=_EngineChoice(["bullet", "dart", "mujoco", "all"], case_sensitive=False),
+    type=Choice(
+        ["bullet", "dart", "mujoco", "all"],
+        meant={"both": "all", "pybullet": "bullet", "dartsim": "dart"},
+    ),
     help="Physics engine: PyBullet, DART (that of Gazebo Sim; pip install 'wsgen[dart]') or MuJoCo "
     "(pip install 'wsgen[mujoco]'); `all` compares those that are installed.  "
     "[default: bullet, or mujoco where PyBullet is not available]",
@@ -235,7 +247,7 @@ def output_options(function: Function) -> Function:
         ),
         click.option(
             "--color",
-            type=click.Choice(["auto", "always", "never"]),
+            type=Choice(["auto", "always", "never"]),
             default="auto",
             envvar="WSGEN_COLOR",
             show_default=True,

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from wsgen.cli import Commands
+
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from pathlib import Path
@@ -19,7 +21,7 @@ Function = Callable[..., Any]
 SPIN_SECONDS = 2.0
 
 
-class ExampleGroup(click.Group):
+class ExampleGroup(Commands):
     """A group whose help ends with examples."""
 
     def __init__(self, *arguments: Any, examples: Sequence[str], **options: Any) -> None:

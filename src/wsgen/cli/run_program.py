@@ -23,7 +23,6 @@ PYTHON = ".py"
 @click.command(
     cls=ExampleCommand,
     examples=(
-        "wsgen run turtlebot3_teleop teleop_keyboard",
         "wsgen run my_robot driver --ros-args -p use_sim_time:=true",
         "wsgen run drive.py",
     ),

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from wsgen.cli.options import workspace_option
+from wsgen.cli.options import Choice, workspace_option
 from wsgen.cli.ros_tool import ExampleGroup, graph_options, start_tool
 
 Function = Callable[..., Any]
@@ -25,26 +25,26 @@ PROFILES = (
 
 
 QOS_OPTIONS: tuple[Callable[[Function], Function], ...] = (
-    click.option("--qos-profile", type=click.Choice(PROFILES), help="Preset of the QoS."),
+    click.option("--qos-profile", type=Choice(PROFILES), help="Preset of the QoS."),
     click.option("--qos-depth", type=click.IntRange(0), metavar="N", help="Depth of the queue."),
     click.option(
         "--qos-history",
-        type=click.Choice(("system_default", "keep_last", "keep_all")),
+        type=Choice(("system_default", "keep_last", "keep_all")),
         help="Which messages the queue keeps.",
     ),
     click.option(
         "--qos-reliability",
-        type=click.Choice(("system_default", "reliable", "best_effort", "best_available")),
+        type=Choice(("system_default", "reliable", "best_effort", "best_available")),
         help="Reliability.",
     ),
     click.option(
         "--qos-durability",
-        type=click.Choice(("system_default", "transient_local", "volatile", "best_available")),
+        type=Choice(("system_default", "transient_local", "volatile", "best_available")),
         help="Durability.",
     ),
     click.option(
         "--qos-liveliness",
-        type=click.Choice(("system_default", "automatic", "manual_by_topic", "best_available")),
+        type=Choice(("system_default", "automatic", "manual_by_topic", "best_available")),
         help="Liveliness.",
     ),
     click.option(

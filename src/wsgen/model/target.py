@@ -14,7 +14,7 @@ from wsgen.model.facts import (
     RELEASED_FOR,
     ROS2_CONTROL_HARDWARE,
 )
-from wsgen.suggestions import nearest
+from wsgen.suggestions import did_you_mean, nearest
 from wsgen.values import NamedTuple, dataclass
 
 if TYPE_CHECKING:
@@ -161,15 +161,16 @@ def _unknown_distro(
     possible = DISTROS_WITH_CLASSIC if simulator == "classic" else DISTROS
     lasting = [name for name in possible if _of_distro("support", name) == "long-term"]
     lower = distro.lower()
-    near = lower if lower in possible else nearest(lower, possible) or lasting[-1]
+    near = lower if lower in possible else nearest(lower, possible)
     known = f"not a ROS 2 distribution that wsgen knows: {', '.join(DISTROS)}."
-    option = f"--distro {near}" + (f" --sim {simulator}" if simulator else "")
+    option = f"--distro {near or lasting[-1]}" + (f" --sim {simulator}" if simulator else "")
     if is_from_environment:
         return RequestError(
             f"ROS_DISTRO={distro} in the environment is {known}",
             hint=f"Name the target, for example {option}; or run: unset ROS_DISTRO",
         )
-    return RequestError(f"{distro!r} is {known}", hint=f"For example {option}")
+    hint = f"For example {option}" if near is None else did_you_mean(option)
+    return RequestError(f"{distro!r} is {known}", hint=hint)
 
 
 def end_of_life_note(target: Target, today: str) -> str | None:

@@ -173,7 +173,9 @@ def make_axis(name: str, values: Sequence[Value], shown: str) -> Axis:
     before: set[Value] = set()
     for value in values:
         if isinstance(value, float) and not math.isfinite(value):
-            raise RequestError(f"{shown}: {value} is no number.", hint="Give finite numbers.")
+            raise RequestError(
+                f"{shown}: {value} is not a finite number.", hint="Give finite numbers."
+            )
         if isinstance(value, int) and not LEAST_INTEGER <= value <= MOST_INTEGER:
             raise RequestError(
                 f"{shown}: an integer does not fit into 64 bits.",
@@ -195,7 +197,7 @@ def read_distribution(name: str, text: str, *, option: str = RANDOM) -> Distribu
     call = _CALL.fullmatch(text)
     if call is None:
         raise RequestError(
-            f"{shown}: it is no distribution.",
+            f"{shown}: a distribution is a name with numbers in parentheses.",
             hint=f"Write for example {option} '{name}={EXAMPLES['uniform']}'; for values that are "
             f"all tried, {OVER} {name}={text.strip() or '1,2'}",
         )
@@ -281,7 +283,7 @@ def _read_number(text: str, shown: str) -> int | float | None:
     """A number; None where the text is none. Of a number in degrees, the radians."""
     if _NOT_FINITE.fullmatch(text):
         raise RequestError(
-            f"{shown}: {text} is no number that can be simulated.",
+            f"{shown}: {text} cannot be simulated.",
             hint=f'Give finite numbers; write the text "{text}" in quotes.',
         )
     found = _NUMBER.fullmatch(text)
@@ -317,7 +319,7 @@ def _require_number(item: str, is_quoted: bool, shown: str) -> int | float:  # n
     number = None if is_quoted else _read_number(item, shown)
     if number is None:
         raise RequestError(
-            f"{shown}: {_clip(item)!r} is no number.",
+            f"{shown}: {_clip(item)!r} is not a number.",
             hint="Write numbers as 0.5, 5e-3 or 30deg.",
         )
     return number
@@ -333,7 +335,7 @@ def _range(text: str, shown: str, name: str) -> tuple[Value, ...]:
     example = f"Write START:STOP:COUNT with both ends, for example {name}=0:1:11"
     if len(parts) != _PARTS or not all(parts):
         raise RequestError(
-            f"{shown}: it is no START:STOP:COUNT.",
+            f"{shown}: a range has three parts, START:STOP:COUNT.",
             hint=f'{example}; put a text with a colon into quotes: {name}="{text}"',
         )
     start, stop = (_require_number(part, False, shown) for part in parts[:2])
@@ -342,7 +344,9 @@ def _range(text: str, shown: str, name: str) -> tuple[Value, ...]:
             f"{shown}: one end is in degrees, the other is not.", hint="Write `deg` at both ends."
         )
     if not _INTEGER.fullmatch(parts[2]):
-        raise RequestError(f"{shown}: COUNT, {_clip(parts[2])!r}, is no integer.", hint=example)
+        raise RequestError(
+            f"{shown}: the COUNT {_clip(parts[2])!r} is not an integer.", hint=example
+        )
     count = _integer(parts[2])
     if not _LEAST_COUNT <= count <= MOST_VARIANTS:
         raise RequestError(
