@@ -243,7 +243,6 @@ def test_a_package_without_a_launch_file(workspace: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "meant"),
     [
-        ("gazebo_model.py", "gazebo_model.launch.py"),
         ("gazebo_model.launch.py.txt", "gazebo_model.launch.py"),
         ("gazebo_model.launch", "gazebo_model.launch.py"),
     ],
@@ -256,9 +255,15 @@ def test_a_launch_file_that_is_not_named_as_one(workspace: Path, name: str, mean
     assert (code, error["code"]) == (1, "PKG051")
     assert error["file"].endswith(f"src/{PACKAGE}/launch/{name}")
     assert f"Rename it to {meant}," in error["hint"]
-    # `ros2 launch` takes it by this name, and so does --launch.
-    if name.endswith(".py"):
-        assert validate(workspace, PACKAGE, "--launch", name)[0] == 0
+
+
+def test_a_launch_file_of_any_name(workspace: Path) -> None:
+    """`ros2 launch` takes it by its name; wsgen finds it by what it defines."""
+    for folder in (workspace / SHARE / "launch", workspace / "src" / PACKAGE / "launch"):
+        (folder / "gazebo_model.launch.py").rename(folder / "start_gazebo.py")
+    code, document, _ = validate(workspace, PACKAGE)
+    assert (code, errors(document)) == (0, [])
+    assert document["packages"][0]["launch_file"].endswith("launch/start_gazebo.py")
 
 
 def test_a_misspelled_launch_file(built: Path) -> None:

@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING
 
 from wsgen.errors import RequestError
 from wsgen.suggestions import ask_for_nearest
-from wsgen.workspace.layout import find_launch_files
+from wsgen.workspace.layout import LAUNCH_FUNCTION, find_launch_files
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 
-LAUNCH_FUNCTION = b"def generate_launch_description("
 TEST_FUNCTION = b"def generate_test_description("
 TEST_FOLDERS = frozenset(("test", "tests"))
 

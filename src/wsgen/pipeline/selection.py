@@ -54,11 +54,13 @@ MISNAMED_LAUNCH_FILE = Rule(
     code="PKG051",
     name="misnamed-launch-file",
     severity=Severity.ERROR,
-    summary="The launch file of the package is not named like one.",
-    what="Looks for launch files by their content where no file ends with `launch.py`, "
-    "`launch.xml`, `launch.yaml` or `launch.yml`.",
-    why="`wsgen` and the completion of `ros2 launch` know launch files by these names.",
-    example="src/my_robot/launch/gazebo_model.py",
+    summary="The name of the launch file does not end as that of one.",
+    what="Looks for launch files by their content where the package has none whose name ends with "
+    "`launch.py`, `launch.xml`, `launch.yaml` or `launch.yml`, and no Python file in a folder "
+    "`launch`.",
+    why="`ros2 launch` and `wsgen` find launch files by these names. Editors and browsers append "
+    "`.txt`.",
+    example="src/my_robot/launch/gazebo_model.launch.py.txt",
     instead="src/my_robot/launch/gazebo_model.launch.py",
 )
 
@@ -303,7 +305,7 @@ def _not_installed(package: PackageFiles, file: Path) -> Diagnostic:
     if package.right_name is not None or source is None or share is None:
         return MISNAMED_LAUNCH_FILE.at(
             file,
-            message=f"The launch file `{file.name}` is not named like one.",
+            message=f"The name of the launch file `{file.name}` does not end with `launch.py`.",
             hint=f"Rename it to {package.right_name}, then run `wsgen build`.",
         )
     rule = _find_install_rule(source, file)

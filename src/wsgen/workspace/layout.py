@@ -60,6 +60,8 @@ CONDA_ENVIRONMENT = "conda-meta"  # a folder
 BUILD_MARKERS = IGNORE_MARKERS | {INSTALL_LAYOUT, VIRTUAL_ENVIRONMENT, CONDA_ENVIRONMENT}
 PYTHON_MARKERS = frozenset({"setup.py", "setup.cfg", "pyproject.toml"})
 # How `ros2 launch` recognizes launch files.
+LAUNCH_FUNCTION = b"def generate_launch_description("
+MOST_BYTES = 1_000_000  # of a launch file that is known by its content
 LAUNCH_FILES = ("launch.py", "launch.xml", "launch.yaml", "launch.yml")  # ends of names
 # Next to `src`, these mark the source code of a single project.
 PROJECT_MARKERS = PYTHON_MARKERS | {
@@ -332,8 +334,24 @@ def read_package(folder: Path) -> PackageFolder | None:
 
 
 def find_launch_files(folder: Path) -> tuple[Path, ...]:
-    """List the launch files below a folder, by path; not those of builds, which colcon ignores."""
-    return tuple(list_files(folder, LAUNCH_FILES, markers=BUILD_MARKERS))
+    """List the launch files below a folder, by path; not those of builds, which colcon ignores.
+
+    `ros2 launch` takes a file of any name: so is, in a folder `launch`, Python with the function of
+    a launch file.
+    """
+    return tuple(
+        file
+        for file in list_files(folder, (".py", *LAUNCH_FILES), markers=BUILD_MARKERS)
+        if file.name.endswith(LAUNCH_FILES)
+        or (file.parent.name == "launch" and _is_launch_file(file))
+    )
+
+
+def _is_launch_file(file: Path) -> bool:
+    try:
+        return LAUNCH_FUNCTION in read_regular(file, MOST_BYTES)
+    except (OSError, ValueError):
+        return False
 
 
 def crawl(root: Path, *, with_ignored: bool = False) -> Iterator[tuple[Path, frozenset[str]]]:
