@@ -113,7 +113,7 @@ def suggest(name: str, known: Collection[str]) -> str:
     if near:
         return did_you_mean(*near)
     if not known:
-        return "No packages are known."
+        return "Check the spelling: no name is known."
     names = sorted(known)
     more = f" and {len(names) - MOST_LISTED} more" if len(names) > MOST_LISTED else ""
     return f"Known: {', '.join(names[:MOST_LISTED])}{more}."

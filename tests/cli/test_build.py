@@ -122,7 +122,7 @@ def test_the_build_goes_on_after_a_failure(package: Path) -> None:
     code, words = build(package, "--", "--executor", "sequential")
     assert code == 1
     assert "2 built, 1 failed  " in words
-    assert words.endswith("\nNext: repair the errors, or try what is built: wsgen validate\n")
+    assert words.endswith("\nNext: fix the errors, or validate what is built: wsgen validate\n")
 
 
 def test_what_is_left_out_is_told_in_a_line_each(package: Path) -> None:

@@ -169,7 +169,7 @@ def test_what_is_reported_later_has_the_colors_that_are_wanted(
 
 
 def not_finished(*, is_there: bool) -> str:
-    kept = " The x.gif of before is unchanged." if is_there else ""
+    kept = " The previous x.gif is unchanged." if is_there else ""
     return f"x.gif was not finished: wsgen was ended before it was drawn.{kept}"
 
 
@@ -319,7 +319,7 @@ LINK = FailedProgram(name="rover", place="line 2 of src/rover.py", is_built=Fals
     [
         ([ROVER, ROVER], "correct line 2 of src/rover.py, and run: wsgen build"),
         ([LINK], "correct line 2 of src/rover.py, and run it again"),
-        ([FailedProgram(name="arm")], "correct arm, which has died, and run: wsgen build"),
+        ([FailedProgram(name="arm")], "correct the error that ended arm, and run: wsgen build"),
         (
             [LINK, FailedProgram(name="arm", missing_module="moveit")],
             (
@@ -329,13 +329,13 @@ LINK = FailedProgram(name="rover", place="line 2 of src/rover.py", is_built=Fals
         ),
         (
             [FailedProgram(name="create", is_of_user=False)],
-            "correct how the launch file starts create, which has died, and run: wsgen build",
+            "correct what the launch file gives create, and run: wsgen build",
         ),
         (
             [FailedProgram(name=name) for name in "abcde"],
             (
-                "correct a, which has died, b, which has died, c, which has died, what 2 more have "
-                "died of, and run: wsgen build"
+                "correct the error that ended a, the error that ended b, the error that ended c, "
+                "the errors that ended 2 more, and run: wsgen build"
             ),
         ),
     ],

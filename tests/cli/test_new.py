@@ -288,7 +288,10 @@ def test_nobody_knows_the_maintainer(
 ) -> None:
     monkeypatch.setenv("LOGNAME", "grace")
     assert run(["new", "gazebo_test"]) == 0
-    assert "note: git knows no usable user.email: grace@todo.todo" in capsys.readouterr().err
+    assert (
+        "note: git has no usable user.email. package.xml has the placeholder grace@todo.todo"
+        in capsys.readouterr().err
+    )
     manifest = (here / "ws_gazebo" / "src" / "gazebo_test" / "package.xml").read_text()
     assert '<maintainer email="grace@todo.todo">grace</maintainer>' in manifest
 

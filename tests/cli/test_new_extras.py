@@ -288,7 +288,7 @@ def test_the_workspace_is_no_repository_of_its_own(
 ) -> None:
     (here / ".git").mkdir()
     assert new("some_robot", "-w", "robots/ws", "--ci", "github") == 0
-    assert f"note: {here} is the top of the repository" in capsys.readouterr().err
+    assert f"top of the repository, {here}." in capsys.readouterr().err
     (here / "robots" / "ws" / ".git").mkdir()
     assert new("other_robot", "-w", "robots/ws", "--ci", "gitlab") == 0
     assert "top of the repository" not in capsys.readouterr().err

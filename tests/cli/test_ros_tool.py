@@ -96,8 +96,8 @@ def test_what_is_shown(asked: Any) -> None:
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("topic", "pub", "-1", "-t", "2", "/a", "b"), "exclude each other"),
-        (("topic", "pub", "--max-wait-time-secs", "2", "/a", "b"), "only effective with"),
+        (("topic", "pub", "-1", "-t", "2", "/a", "b"), "cannot be combined"),
+        (("topic", "pub", "--max-wait-time-secs", "2", "/a", "b"), "has no effect without"),
         (("topic", "hz"), "TOPIC"),
         (("topic", "shout", "/a"), "shout"),
     ],

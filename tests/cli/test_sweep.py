@@ -187,7 +187,7 @@ def test_interrupted_it_says_how_to_go_on(box: Path) -> None:
         child.terminate()
         _, err = child.communicate()
     assert child.returncode == 143
-    assert "of 2,000 runs are done; the same command goes on." in err
+    assert "of 2,000 runs are done. Run the same command again to continue." in err
     assert "Traceback" not in err
     rows = Path("t.csv").read_text().splitlines()
     assert len(rows) > 3

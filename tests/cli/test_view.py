@@ -78,7 +78,7 @@ def test_a_folder_is_no_robot(crane: Path, capsys: pytest.CaptureFixture[str]) -
         (("--play", "--view", "--picture", "."), "--view and --picture cannot be combined"),
         (("--play", "--view", "--record", "a.gif"), "--view and --record cannot be combined"),
         (("--play", "--view", "--format", "json"), "--view and --format cannot be combined"),
-        (("--play", "--view", "--engine", "all"), "--view shows one engine"),
+        (("--play", "--view", "--engine", "all"), "--view simulates in one engine"),
     ],
 )
 def test_options_that_do_not_go_together(

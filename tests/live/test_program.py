@@ -83,7 +83,7 @@ def test_what_no_package_has_is_named(prefix: Path) -> None:
     message, hint = problem("my_robot", "drivr")
     assert message == "The package my_robot has no program `drivr`."
     assert "`driver`" in hint
-    assert "It has driver, setup.sh" in problem("my_robot", "notes.txt")[1]
+    assert "Known: driver, setup.sh" in problem("my_robot", "notes.txt")[1]
     assert "`my_robot`" in problem("my_robt", "driver")[1]
     assert "PyPI does not have" in problem("rviz2", "rviz2")[0]
 

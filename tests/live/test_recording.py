@@ -207,8 +207,8 @@ def test_a_run_without_messages_keeps_the_earlier_recording(
         pass
     assert (file.read_bytes() if file.exists() else None) == earlier
     assert told == [Recorded(file, 0.0, 0)]
-    kept = "" if earlier is None else " The short.mcap of before is unchanged."
-    assert unwritten(file) == f"{file} was not written: no message came.{kept}"
+    kept = "" if earlier is None else " The previous short.mcap is unchanged."
+    assert unwritten(file) == f"{file} was not written: no message was received.{kept}"
     assert not file.with_name("short.mcap.part").exists()
     assert capfd.readouterr().err == ""
 

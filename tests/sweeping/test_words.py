@@ -68,7 +68,7 @@ def test_distributions() -> None:
 @pytest.mark.parametrize(
     ("word", "message"),
     [
-        ("a", "it has no `=`"),
+        ("a", "`=` is missing"),
         ("=1", "the name is missing"),
         ("a=", "no value is given"),
         ("a=  ", "no value is given"),

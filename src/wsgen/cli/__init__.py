@@ -122,8 +122,8 @@ class CommandTable(Commands):
 @click.group(
     cls=CommandTable,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
-    epilog="Start with: wsgen new my_robot && wsgen build && wsgen validate. Options of a command: "
-    "wsgen help COMMAND",
+    epilog="Start with: wsgen new my_robot && wsgen build && wsgen validate\n\n"
+    "Options of a command: wsgen help COMMAND",
 )
 @click.version_option(__version__, message="%(prog)s %(version)s")
 def wsgen() -> None:

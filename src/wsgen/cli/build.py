@@ -132,5 +132,5 @@ def build_workspace(
             click.echo(f"Next: {next_command(place, validate)}", err=True)
         elif has_built and not (result.succeeded or quiet):
             validate = next_command(place, "wsgen validate")
-            click.echo(f"Next: repair the errors, or try what is built: {validate}", err=True)
+            click.echo(f"Next: fix the errors, or validate what is built: {validate}", err=True)
     return EXIT_PASSED if result.succeeded else EXIT_FAILED

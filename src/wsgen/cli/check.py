@@ -48,7 +48,7 @@ FORMATS = ("text", "json", "github", "sarif", "junit")
 @click.option(
     "--distro",
     metavar="NAME",
-    help="Target ROS 2 distribution of packages that do not say it.  [default: $ROS_DISTRO]",
+    help="Target ROS 2 distribution, where wsgen.toml names none.  [default: $ROS_DISTRO]",
 )
 @click.option(
     "--select",
@@ -132,11 +132,11 @@ def command(
     from wsgen.pipeline.reported import Filters
 
     if fix and diff:
-        raise RequestError("--diff shows what --fix would do.", hint="Give one of the two.")
+        raise RequestError("--diff shows what --fix would do.", hint="Remove one of them.")
     if diff and output_format != "text":
         raise RequestError(
             f"--diff cannot be combined with --format {output_format}.",
-            hint="Leave one of the two out.",
+            hint="Remove one of them.",
         )
     require_places(summary_file)
     filters = Filters(

@@ -119,7 +119,7 @@ class RateType(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # newe
     "run_seconds",
     type=click.FloatRange(min=0.0, min_open=True),
     metavar="SECONDS",
-    help="With --run: end after so many simulated seconds.",
+    help="With --run: end after this many simulated seconds.",
 )
 @click.option(
     "--until-exit",
@@ -168,7 +168,7 @@ def command(
 
     The arguments are those of `ros2 launch`: an installed package and the name of one of its launch
     files, or the path of a launch file; then launch arguments. With --play, simulate the
-    robots as `wsgen validate` does; with --play --view, in the browser, as long as you like. With
+    robots as `wsgen validate` does; with --play --view, in the browser, until you end it. With
     --run, start its nodes, and simulate what they drive; with --run --view, see it in the browser.
     """
     from click.core import ParameterSource
@@ -308,7 +308,7 @@ def _refuse_beside_view(context: click.Context) -> None:
             hint="Write --play --view, or --run --view.",
         )
     if context.params["engine"] == "all":
-        raise RequestError("--view shows one engine.", hint="Name it: --engine bullet")
+        raise RequestError("--view simulates in one engine.", hint="Name it: --engine bullet")
     for name in NOT_WITH_VIEW:
         if context.get_parameter_source(name) is not ParameterSource.DEFAULT:
             option = next(one.opts[0] for one in context.command.params if one.name == name)

@@ -222,7 +222,7 @@ def _corrections(failed: Sequence[FailedProgram]) -> str:
     """What to correct where these have died."""
     texts = list(dict.fromkeys(map(_correction, failed)))
     if len(texts) > MOST_CORRECTIONS:
-        texts[MOST_CORRECTIONS:] = [f"what {len(texts) - MOST_CORRECTIONS} more have died of"]
+        texts[MOST_CORRECTIONS:] = [f"the errors that ended {len(texts) - MOST_CORRECTIONS} more"]
     return f"correct {', '.join(texts)}"
 
 
@@ -230,10 +230,10 @@ def _correction(one: FailedProgram) -> str:
     if one.place is not None:
         return one.place
     if not one.is_of_user:
-        return f"how the launch file starts {one.name}, which has died"
+        return f"what the launch file gives {one.name}"
     if one.missing_module is not None:
         return f"the import of {one.missing_module} in {one.name} (or install it, see above)"
-    return f"{one.name}, which has died"
+    return f"the error that ended {one.name}"
 
 
 def _opened_by(one: Recorded) -> str:
@@ -241,9 +241,10 @@ def _opened_by(one: Recorded) -> str:
     import shlex
 
     if one.messages is None:
-        return f"{one.seconds:.1f} s. A browser or a video player opens it."
+        return f"{one.seconds:.1f} s. Open it in a browser or a video player."
     play = shlex.join(["ros2", "bag", "play", "-s", "mcap", str(one.file)])
-    return f"{one.seconds:.1f} s, {one.messages} messages. Foxglove opens it; where ROS is: {play}"
+    how = f"Open it in Foxglove, or where ROS is installed: {play}"
+    return f"{one.seconds:.1f} s, {one.messages} messages. {how}"
 
 
 def _lacking(one: Recorded) -> str:

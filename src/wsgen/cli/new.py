@@ -154,8 +154,8 @@ def command(
 def _print_notes(created: CreatedPackage, *, verbose: bool) -> None:
     if created.placeholder_email is not None:
         _note(
-            f"git knows no usable user.email: {created.placeholder_email} is a placeholder."
-            " Change it in package.xml, or give --maintainer-email."
+            f"git has no usable user.email. package.xml has the placeholder"
+            f" {created.placeholder_email}: change it, or give --maintainer-email."
         )
     if created.kept_file is not None and verbose:
         from wsgen.cli.words import short_name
@@ -165,8 +165,8 @@ def _print_notes(created: CreatedPackage, *, verbose: bool) -> None:
         _note(created.end_of_life)
     if created.repository is not None:
         _note(
-            f"{created.repository} is the top of the repository: services read the workflow only"
-            " there. Move it, and run its steps in"
+            f"CI services read workflows only at the top of the repository, {created.repository}."
+            " Move the workflow there, and have it run its steps in"
             f" {created.workspace.root.relative_to(created.repository)}."
         )
 

@@ -21,7 +21,7 @@ def command(**_options: Any) -> None:
 
 @command.command("list")
 @click.option("-a", "--all", "with_hidden", is_flag=True, help="Show hidden nodes as well.")
-@click.option("-c", "--count-nodes", is_flag=True, help="Show the number of nodes only.")
+@click.option("-c", "--count-nodes", is_flag=True, help="Show only the number of nodes.")
 @graph_options
 @click.pass_context
 def list_nodes(

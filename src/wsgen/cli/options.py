@@ -183,7 +183,9 @@ def page_options(function: Function) -> Function:
             metavar="N",
             help="Port to listen on.  [default: the first free one from 8080]",
         ),
-        click.option("--no-browser", is_flag=True, help="Print the address, and open no browser."),
+        click.option(
+            "--no-browser", is_flag=True, help="Print the address without opening a browser."
+        ),
     ):
         function = option(function)
     return function

@@ -101,7 +101,7 @@ def write_reports(
 
         write_file(Path(html_file), render_page(outcome, folder))
         if not quiet:
-            click.echo(f"Wrote {written(Path(html_file))}. A browser opens it.", err=True)
+            click.echo(f"Wrote {written(Path(html_file))} (open it in a browser)", err=True)
 
 
 def append_summary(file: str, text: str) -> None:

@@ -46,7 +46,7 @@ GRAPH_OPTIONS: tuple[Callable[[Function], Function], ...] = (
         help="Time to wait for discovery.",
     ),
     click.option(
-        "-s", "--use-sim-time", is_flag=True, help="Take the time of /clock (simulated time)."
+        "-s", "--use-sim-time", is_flag=True, help="Use the time of /clock (simulated time)."
     ),
     # There is no daemon here; scripts that refuse it go on.
     click.option("--no-daemon", is_flag=True, hidden=True, expose_value=False),

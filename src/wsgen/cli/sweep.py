@@ -53,7 +53,8 @@ class SweepCommand(ExampleCommand):
 @click.command(
     cls=SweepCommand,
     epilog="NAME is an argument of the launch file or of the xacro file, a variable of the "
-    "template, or one of the parameters below. The same command goes on where it stopped.",
+    "template, or one of the parameters below. Run the same command again to continue an "
+    "interrupted sweep.",
     examples=(
         "wsgen sweep rover --over world.slope=0deg:45deg:46 --plot slope.png",
         "wsgen sweep -t diff_drive --random 'body_mass=uniform(2,50)' --samples 500 -j 4",
@@ -91,7 +92,7 @@ class SweepCommand(ExampleCommand):
     "--samples",
     type=int,
     metavar="N",
-    help="How often values are drawn, for each point of the grid.  [default: 100]",
+    help="Number of samples for each point of the grid.  [default: 100]",
 )
 @click.option(
     "--sampler",
@@ -99,7 +100,7 @@ class SweepCommand(ExampleCommand):
     help="random, lhs (Latin hypercube) or sobol: how evenly samples cover the space.  "
     "[default: random]",
 )
-@click.option("--seed", type=int, metavar="N", help="Start of the random numbers.  [default: 0]")
+@click.option("--seed", type=int, metavar="N", help="Seed of the random numbers.  [default: 0]")
 @click.option(
     "--out",
     metavar="FILE",
@@ -147,7 +148,7 @@ class SweepCommand(ExampleCommand):
 @click.option(
     "--behaviors/--no-behaviors",
     default=None,
-    help="Whether each variant also shows the behaviors in wsgen.toml.  [default: behaviors]",
+    help="Whether to run the behaviors in wsgen.toml for each variant.  [default: behaviors]",
 )
 @workspace_option
 @format_option

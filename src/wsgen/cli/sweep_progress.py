@@ -51,7 +51,9 @@ class SweepProgress:
         last = self._last
         if error is not None and last is not None and not self._is_quiet and last.done < last.runs:
             click.echo(
-                f"{last.done:,} of {last.runs:,} runs are done; the same command goes on.", err=True
+                f"{last.done:,} of {last.runs:,} runs are done. Run the same command again to "
+                "continue.",
+                err=True,
             )
 
     def __call__(self, progress: Progress) -> None:

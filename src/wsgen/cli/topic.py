@@ -87,9 +87,11 @@ def command(**_options: Any) -> None:
 
 @command.command("list")
 @click.option("-t", "--show-types", is_flag=True, help="Show the type of each topic.")
-@click.option("-c", "--count-topics", is_flag=True, help="Show the number of topics only.")
+@click.option("-c", "--count-topics", is_flag=True, help="Show only the number of topics.")
 @click.option("--include-hidden-topics", is_flag=True, help="Consider hidden topics as well.")
-@click.option("-v", "--verbose", is_flag=True, help="Show the numbers of publishers, subscribers.")
+@click.option(
+    "-v", "--verbose", is_flag=True, help="Also show the numbers of publishers and subscribers."
+)
 @graph_options
 @click.pass_context
 def list_topics(
@@ -154,9 +156,12 @@ def show_info(ctx: click.Context, /, *, topic: str, verbose: bool, **shared: Any
 @click.option("--csv", is_flag=True, help="Show all fields separated by commas.")
 @click.option("--raw", is_flag=True, help="Show the bytes of the messages.")
 @click.option("--once", is_flag=True, help="End after the first message.")
-@click.option("--timeout", type=click.FloatRange(0), metavar="SECONDS", help="End after that.")
+@click.option("--timeout", type=click.FloatRange(0), metavar="SECONDS", help="End after this time.")
 @click.option(
-    "--filter", "filter_expression", metavar="EXPRESSION", help="Python, with `m` for the message."
+    "--filter",
+    "filter_expression",
+    metavar="EXPRESSION",
+    help="Python expression; `m` is the message.",
 )
 @click.option("--no-lost-messages", is_flag=True, help="Do not report lost messages.")
 @click.option("-n", "--node-name", metavar="NAME", help="Name of the node that subscribes.")
@@ -180,12 +185,15 @@ def echo(ctx: click.Context, /, *, full_length: bool, **options: Any) -> None:
     default=10_000,
     show_default=True,
     metavar="N",
-    help="Number of messages that the rate is computed of.",
+    help="Number of messages from which the rate is computed.",
 )
 @click.option(
-    "--filter", "filter_expression", metavar="EXPRESSION", help="Python, with `m` for the message."
+    "--filter",
+    "filter_expression",
+    metavar="EXPRESSION",
+    help="Python expression; `m` is the message.",
 )
-@click.option("--wall-time", is_flag=True, help="Take the time of the wall.")
+@click.option("--wall-time", is_flag=True, help="Use wall-clock time.")
 @graph_options
 @click.pass_context
 def measure(ctx: click.Context, /, *, topics: tuple[str, ...], **options: Any) -> None:
@@ -234,7 +242,7 @@ def measure(ctx: click.Context, /, *, topics: tuple[str, ...], **options: Any) -
     "most_seconds",
     type=click.FloatRange(0, min_open=True),
     metavar="SECONDS",
-    help="Wait no longer for subscriptions.",
+    help="Longest time to wait for subscriptions.",
 )
 @click.option(
     "--keep-alive",
@@ -242,7 +250,7 @@ def measure(ctx: click.Context, /, *, topics: tuple[str, ...], **options: Any) -
     default=0.1,
     show_default=True,
     metavar="SECONDS",
-    help="Stay for so long after the last message.",
+    help="Time to keep running after the last message.",
 )
 @click.option("-n", "--node-name", metavar="NAME", help="Name of the node that publishes.")
 @_qos_options
@@ -261,7 +269,7 @@ def publish(
 ) -> None:
     """Publish messages; VALUES are YAML: '{linear: {x: 0.5}}'."""
     if once and times:
-        raise click.UsageError("--once and --times exclude each other.")
+        raise click.UsageError("--once and --times cannot be combined.")
     if stdin:
         import sys
 
@@ -270,7 +278,7 @@ def publish(
     wanted = int(number != 0) if subscriptions is None else subscriptions
     if options["most_seconds"] is not None and not wanted:
         raise click.UsageError(
-            "--max-wait-time-secs option is only effective with --wait-matching-subscriptions, "
+            "--max-wait-time-secs has no effect without --wait-matching-subscriptions, "
             "--once or --times"
         )
     # A publisher needs no list of what is there; who subscribes is waited for.

@@ -46,7 +46,7 @@ MOST_SEARCHED = 100  # folders, for packages and files to suggest
 
 @click.command(
     cls=ExampleCommand,
-    epilog="Of a package that is not built, the source folder counts. A FILE needs no package.",
+    epilog="For a package that is not built, its source folder is used. A FILE needs no package.",
     examples=("wsgen validate my_robot --picture .", "wsgen validate robot.urdf --engine dart"),
 )
 @click.argument(
@@ -67,7 +67,9 @@ MOST_SEARCHED = 100  # folders, for packages and files to suggest
 @answer_option
 @seconds_option
 @engine_option
-@jobs_option("Number of packages or files to process in parallel; of one alone, its engines.")
+@jobs_option(
+    "Number of packages or files to process in parallel; for a single one, number of engines."
+)
 @scheduler_option("Simulate")
 @picture_option
 @click.option(

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 @click.command(
     cls=ExampleCommand,
-    epilog="Of a package that is not built, the source folder counts. Ctrl-C ends the viewer.",
+    epilog="For a package that is not built, its source folder is used. Ctrl-C ends the viewer.",
     examples=("wsgen view my_robot", "wsgen view robot.urdf.xacro --arg arm:=true"),
 )
 @click.argument("name", metavar="PACKAGE|FILE", shell_complete=complete_packages_and_files)

@@ -112,11 +112,11 @@ def tell_unfinished(video: Path) -> None:
 
 def unwritten(recording: Path) -> str:
     """Say that a recording has no message, and what is kept."""
-    return f"{short_name(recording)} was not written: no message came.{_kept(recording)}"
+    return f"{short_name(recording)} was not written: no message was received.{_kept(recording)}"
 
 
 def _kept(file: Path) -> str:
-    return f" The {file.name} of before is unchanged." if file.exists() else ""
+    return f" The previous {file.name} is unchanged." if file.exists() else ""
 
 
 def next_command(workspace: Workspace, *commands: str) -> str:

@@ -17,7 +17,7 @@ from wsgen.live.programs import LeftOut, find_replacement
 from wsgen.live.request import ENDED_FILE, REQUEST_FILE, STARTING_FILE
 from wsgen.ros_environment.processes import module_command
 from wsgen.simulation.live_scene import short_name, socket_path
-from wsgen.suggestions import advice
+from wsgen.suggestions import advice, suggest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -68,7 +68,7 @@ def find_command(
     if known:
         raise NotFoundError(
             f"The package {package} has no program `{executable}`.",
-            hint=advice(executable, known, f"It has {', '.join(known)}."),
+            hint=suggest(executable, known),
         )
     packages = {one.name for folder in _libraries(variables) for one in _folders(folder)}
     raise NotFoundError(

@@ -357,7 +357,7 @@ def unknown_topic(
         hint = did_you_mean(topic.replace(f"/world/{in_world[1]}/", f"/world/{world}/", 1))
     elif model and models is not None and model not in models:
         message = f"`{topic}` is of the model `{model}`, and the world has no model of that name."
-        hint = advice(model, models, f"Its models are {', '.join(sorted(models))}.")
+        hint = advice(model, models, f"Name one of its models: {', '.join(sorted(models))}.")
     else:
         fitting = {one.name for one in known if one.type == bridge.gz_type.rpartition(".")[2]}
         near = _near_topic(topic, fitting)

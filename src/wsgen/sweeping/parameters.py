@@ -131,7 +131,7 @@ OWN: tuple[Parameter, ...] = (
         for name, more in (
             (SPAWN_X, ""),
             (SPAWN_Y, ""),
-            (SPAWN_Z, "; what has no height of its own stands on the ground otherwise"),
+            (SPAWN_Z, "; by default that of the launch file, or a pose on the ground"),
         )
     ),
     *(

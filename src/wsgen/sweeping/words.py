@@ -135,7 +135,7 @@ def split_name(word: str, option: str) -> tuple[str, str]:
     if not separator or not name.strip():
         example = "'robot.mass_scale=uniform(0.8, 1.2)'" if option == RANDOM else GRID_EXAMPLE
         raise RequestError(
-            f"{option} {word}: {'the name is missing' if separator else 'it has no `=`'}.",
+            f"{option} {word}: {'the name' if separator else '`=`'} is missing.",
             hint=f"Write {option} NAME=VALUES, for example {example}",
         )
     return name.strip(), text

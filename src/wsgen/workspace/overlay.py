@@ -251,7 +251,7 @@ def require_share(overlay: Overlay, workspace: Workspace | None, package: str) -
     if ignored is not None:
         raise ignored
     known = overlay.packages()
-    if workspace is None:  # what is known is what wsgen or ROS brings
+    if workspace is None or not known:  # what is known is what wsgen or ROS brings
         hint = advice(
             package, known, "Go to the workspace of the package, or source its install/setup.bash."
         )

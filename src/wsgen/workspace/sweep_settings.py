@@ -82,7 +82,7 @@ def read_sweep(
     for key in table:
         if key not in KEYS:
             keys = ", ".join(f"`{one}`" for one in KEYS)
-            hint = advice(key, KEYS, f"Its keys are {keys}; what varies stands in `over`.")
+            hint = advice(key, KEYS, f"Use its keys: {keys}. Write what varies below `over`.")
             reader.report(f"[sweep] has no key `{key}`.", hint, key)
     over = reader.over(table)
     random = reader.random(table, over)

@@ -351,7 +351,7 @@ def _macro(found: _Trace, sources: _Sources) -> Explanation | None:
         ]
         return {
             "message": f'Invalid parameter "{wrong[1]}": the macro `{name}` has no such parameter',
-            "hint": advice(wrong[1], parameters, "The macro's params list its parameters."),
+            "hint": advice(wrong[1], parameters, "Name one of the `params` of the macro."),
         }
     return None
 
