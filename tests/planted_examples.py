@@ -992,6 +992,16 @@ LAUNCHES: dict[str, Plant] = {
     "SPN008": launch(CLASSIC + PUBLISH + SPAWNED + "])\n", distro="humble"),
     "SPN009": launch(GZ.replace(PUBLISH, "@,\n") + CREATE + "])\n"),
     "SPN010": launch(GZ.replace(PUBLISH, "@,\n") + "])\n"),
+    "SPN105": launch(
+        IMPORTS
+        + "@\nsimulator = IncludeLaunchDescription(source)\n"
+        + RETURN
+        + "simulator,\n"
+        + PUBLISH
+        + CLOCK
+        + CREATE
+        + "])\n"
+    ),
     "SPN011": launch(
         GZ.replace(
             PUBLISH,

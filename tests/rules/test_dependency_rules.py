@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.diagnostics import Severity
 from wsgen.rules.dependencies import check_circles, check_dependencies, common_distros
 from wsgen.workspace.manifest import Dependency, Manifest
 
@@ -98,6 +99,7 @@ def test_an_unknown_name_is_reported_once() -> None:
 def test_the_distribution_lacks_it(name: str, distro: str, hint: str) -> None:
     (found,) = check(("exec_depend", name), distro=distro)
     assert (found.code, found.line, found.element) == ("PKG070", 10, name)
+    assert found.severity is (Severity.WARNING if name == "gz_sim_vendor" else Severity.ERROR)
     assert f"not released for ROS 2 {distro}" in found.message
     assert hint in (found.hint or "")
 

@@ -102,7 +102,7 @@ def test_misspelled_plugins(wrong: Plugin, hint: str) -> None:
 
 def test_plugins_of_the_other_simulator() -> None:
     (found,) = check(plugin(CLASSIC_DRIVE), simulator="gz")
-    assert (found.code, found.severity) == ("ROB101", Severity.WARNING)
+    assert (found.code, found.severity) == ("ROB101", Severity.ERROR)
     assert found.hint == "Use gz-sim-diff-drive-system for Gazebo Sim."
     (found,) = check(plugin(), simulator="classic")
     assert found.hint == "Use libgazebo_ros_diff_drive.so for Gazebo Classic."
@@ -112,6 +112,26 @@ def test_plugins_of_the_other_simulator() -> None:
     assert found.severity is Severity.INFO
     assert not check(plugin(CLASSIC_DRIVE), plugin())
     assert not check(plugin(CLASSIC_DRIVE), distro="humble")
+    # Another plugin for the right simulator does not drive the robot.
+    states = plugin("gz-sim-joint-state-publisher-system", {})
+    (found,) = check(plugin(CLASSIC_DRIVE), states, simulator="gz")
+    assert found.severity is Severity.ERROR
+    control = plugin("libgz_ros2_control-system.so", {"parameters": ("/c.yaml",)})
+    (found,) = check(plugin(CLASSIC_DRIVE), control, simulator="gz")
+    assert found.severity is Severity.INFO
+
+
+def test_plugins_of_sensors_of_the_other_simulator() -> None:
+    driver = plugin("libgazebo_ros_imu_sensor.so", {})
+    tag = laser(Sensor("s", "imu", {"gz_frame_id": ("laser",)}, (driver,), line=4))
+    (found,) = check(tags=(tag,), simulator="gz")
+    assert (found.code, found.severity, found.line) == ("ROB101", Severity.ERROR, 30)
+    assert not check(tags=(tag,), simulator="classic")
+
+
+def test_what_a_plugin_says_that_is_not_loaded_is_not_checked() -> None:
+    (found,) = check(plugin(CLASSIC_DRIVE, {**WHEELS, "wheel_radius": ("0.1",)}), simulator="gz")
+    assert found.code == "ROB101"
 
 
 @pytest.mark.parametrize(

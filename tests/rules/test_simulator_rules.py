@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from wsgen.diagnostics import Severity
 from wsgen.launch.simulators import simulator_kinds
 from wsgen.model.plan import Include, LaunchPlan, Process, Unresolved
 from wsgen.rules import simulators
@@ -75,6 +76,27 @@ def test_spawners_of_the_other_simulator() -> None:
 )
 def test_spawners_of_the_simulator(sound: LaunchPlan) -> None:
     assert not list(simulators.spawners_of_other_simulator(sound, simulator_kinds(sound)))
+
+
+@pytest.mark.parametrize(
+    ("parts", "distro", "is_installed", "names"),
+    [
+        ((CLASSIC, CLASSIC_SPAWNER), "jazzy", False, "`gazebo.launch.py`, `spawn_entity.py` are"),
+        ((gazebo("w.world"),), "kilted", False, "`gazebo` is"),
+        ((CLASSIC_SPAWNER,), "jazzy", False, "`spawn_entity.py` is"),
+        ((CLASSIC, CLASSIC_SPAWNER), "jazzy", True, None),  # somebody has built it
+        ((CLASSIC, CLASSIC_SPAWNER), "humble", False, None),
+        ((CLASSIC, CLASSIC_SPAWNER), None, False, None),
+        ((GZ, create()), "jazzy", False, None),
+        ((GZ, CLASSIC_SPAWNER), "jazzy", False, None),  # reported as that of another simulator
+    ],
+)
+def test_gazebo_classic_where_there_is_none(
+    parts: tuple[Process | Include, ...], distro: str | None, is_installed: bool, names: str | None
+) -> None:
+    found = list(simulators.no_classic(plan(*parts), distro, lambda _: is_installed))
+    assert [one.severity for one in found] == ([] if names is None else [Severity.ERROR])
+    assert all(f"ROS 2 {distro} has no Gazebo Classic: {names}" in one.message for one in found)
 
 
 def test_gazebo_without_the_factory() -> None:

@@ -63,6 +63,8 @@ def check_launched(  # noqa: PLR0913  most have defaults
     is_included: bool = False,
     is_known: Callable[[str], bool] = lambda _package: False,
     sets_path: Callable[[], bool] = lambda: True,
+    distro: str | None = None,
+    is_installed: Callable[[str], bool] = lambda _package: True,
 ) -> Iterator[Diagnostic]:
     """Check what a launch file starts together.
 
@@ -74,12 +76,15 @@ def check_launched(  # noqa: PLR0913  most have defaults
         is_included: One of these includes it: what it lacks may be there.
         is_known: Whether all that a package installs is known.
         sets_path: Whether a package of the workspace sets the search path of a simulator.
+        distro: The target, if it is known.
+        is_installed: Whether a package is on this machine or in the workspace.
     """
     plan = started.plan
     kinds = simulator_kinds(plan)
     world = _loaded_world(started, environment)
     name = world.name if world and kinds == {"gz"} else None
-    yield from simulators.spawners_of_other_simulator(plan, kinds)
+    lacks_classic = tuple(simulators.no_classic(plan, distro, is_installed))
+    yield from lacks_classic or simulators.spawners_of_other_simulator(plan, kinds)
     yield from simulators.no_factory(
         plan, kinds, world.plugins if world else None if _names_world(started) else ()
     )

@@ -247,6 +247,8 @@ class PackageCheck:
                 is_included=is_included(one, candidates),
                 is_known=self.installed.is_known,
                 sets_path=self._sets_search_path,
+                distro=self.distro,
+                is_installed=self._is_installed,
             )
             yield from check_addresses(started, self.overlay.share)
             same = simulation_of(one)
@@ -293,6 +295,10 @@ class PackageCheck:
             if package.name != self.package.name
             for other in find_launch_files(package.path)
         )
+
+    def _is_installed(self, package: str) -> bool:
+        """Whether a package is on this machine or in the workspace."""
+        return self.overlay.share(package) is not None
 
     def _sets_search_path(self) -> bool:
         """Whether a package of the workspaces sets the search path of a simulator; asked once."""

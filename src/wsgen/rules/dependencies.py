@@ -59,6 +59,7 @@ UNRELEASED_DEPENDENCY = Rule(
     code="PKG070",
     name="unreleased-dependency",
     severity=Severity.WARNING,
+    severity_varies="an error for packages of Gazebo Classic, which later distributions lack",
     summary="A dependency is not released for the ROS distribution that the package is for.",
     what="Takes the distribution from `--distro`, `wsgen.toml` or `ROS_DISTRO`. Skips packages "
     "that are in the workspace.",
@@ -201,6 +202,10 @@ FOR_GAZEBO_SIM = {
     "ros_ign_interfaces": "ros_gz_interfaces",
     "ros_ign_gazebo": "ros_gz_sim",
 }
+# Without which what a package starts or builds is not there; others bring only messages.
+PACKAGES_OF_CLASSIC = frozenset(
+    ("gazebo_dev", "gazebo_ros", "gazebo_ros_pkgs", "gazebo_plugins", "gazebo_ros2_control")
+)
 SHORTEST = 5  # characters of a name that a typing mistake can be told in
 
 
@@ -346,6 +351,9 @@ def _unreleased(
             hint=f"Write <{one.tag}>{instead}</{one.tag}>, and use it in the launch files."
             if fits
             else f"Clone {one.name} into the workspace, or replace it.",
+            severity=Severity.ERROR
+            if one.name in PACKAGES_OF_CLASSIC and one.tag not in TEST_TAGS
+            else None,
         )
 
 

@@ -71,14 +71,16 @@ class PluginFacts(NamedTuple):
 
 def check_plugins(facts: PluginFacts, file: Path | None) -> Iterator[Diagnostic]:
     """Everything about plugins and sensors."""
-    plugins = [plugin for tag in facts.tags for plugin in tag.plugins]
-    for plugin in plugins:
+    wanted = _wanted(facts)
+    for plugin in (plugin for tag in facts.tags for plugin in tag.plugins):
         if not plugin.filename:
             continue
         yield from unknown_plugin(plugin, file)
+        if wanted is not None and simulator_of(plugin.filename) not in {None, wanted}:
+            continue  # which is not loaded, whatever it says
         yield from plugin_parts(plugin, facts, file)
         yield from unread_parameters(plugin, file)
-    yield from plugin_of_other_simulator(plugins, facts, file)
+    yield from plugin_of_other_simulator(facts, file)
     yield from sensors(facts, file)
     yield from duplicate_sensors(facts, file)
 
@@ -136,8 +138,8 @@ def _nearly(name: str, known: Iterable[str]) -> str | None:
 PLUGIN_OF_OTHER_SIMULATOR = Rule(
     code="ROB101",
     name="robot-plugin-of-other-simulator",
-    severity=Severity.WARNING,
-    severity_varies="a note where the robot has plugins for both simulators",
+    severity=Severity.ERROR,
+    severity_varies="information where a plugin for the right simulator does the same",
     summary="A plugin is not for the simulator of the launch file or of the ROS 2 distribution.",
     what="Plugins of gazebo_plugins (`libgazebo_ros_*.so`) are for Gazebo Classic, which Jazzy and "
     "later do not have; systems (`gz-sim-*-system`) are for Gazebo Sim.",
@@ -157,23 +159,41 @@ SUCCESSORS = {
     "gazebo_ros_ft_sensor": "gz-sim-forcetorque-system",
     "gazebo_ros2_control": "gz_ros2_control-system",
 }
+# What moves the joints of a robot in Gazebo Sim.
+_DRIVES = (
+    *("diff-drive", "ackermann-steering", "mecanum-drive", "tracked-vehicle", "velocity-control"),
+    *("gz_ros2_control-system", "ign_ros2_control-system"),
+)
+_STATES = ("joint-state-publisher", "gz_ros2_control-system", "ign_ros2_control-system")
+# Plugin of Gazebo Classic -> those of Gazebo Sim that do the same in a robot for both.
+COUNTERPARTS = {
+    **dict.fromkeys(
+        (
+            *("gazebo_ros_diff_drive", "gazebo_ros_ackermann_drive", "gazebo_ros_planar_move"),
+            *("gazebo_ros_tricycle_drive", "gazebo_ros2_control"),
+        ),
+        _DRIVES,
+    ),
+    "gazebo_ros_joint_state_publisher": _STATES,
+    "gazebo_ros_joint_pose_trajectory": (*_STATES, "joint-trajectory-controller"),
+    "gazebo_ros_p3d": ("odometry-publisher", "pose-publisher"),
+    "gazebo_ros_ft_sensor": ("forcetorque",),
+}
 OF_WORLD = "Remove it: the world loads the system for sensors, and ros_gz_bridge brings its topic."
 
 
-def plugin_of_other_simulator(
-    plugins: Iterable[Plugin], facts: PluginFacts, file: Path | None
-) -> Iterator[Diagnostic]:
+def plugin_of_other_simulator(facts: PluginFacts, file: Path | None) -> Iterator[Diagnostic]:
     """Report plugins that the simulator cannot load."""
-    wanted = facts.simulator
-    if wanted is None and facts.distro in FIRST_WITHOUT_CLASSIC:
-        wanted = SIM
-    plugins = list(plugins)
+    wanted = _wanted(facts)
     if wanted is None:
         return
-    has_right_ones = any(simulator_of(plugin.filename) == wanted for plugin in plugins)
-    for plugin in plugins:
-        other = simulator_of(plugin.filename)
-        if other in {None, wanted}:
+    whole = [plugin for tag in facts.tags for plugin in tag.plugins]
+    of_sensors = [
+        plugin for tag in facts.tags for sensor in tag.sensors for plugin in sensor.plugins
+    ]
+    right = {stem(one.filename) for one in (*whole, *of_sensors) if _is_for(one, wanted)}
+    for plugin in (*whole, *of_sensors):
+        if simulator_of(plugin.filename) in {None, wanted}:
             continue
         name = stem(plugin.filename)
         successor = SUCCESSORS.get(name) if wanted == SIM else _predecessor(name)
@@ -188,8 +208,28 @@ def plugin_of_other_simulator(
             f"{SIMULATOR_NAMES[CLASSIC if wanted == SIM else SIM]}, and "
             f"{SIMULATOR_NAMES[wanted]} cannot load it.",
             hint=hint,
-            severity=Severity.INFO if has_right_ones else Severity.WARNING,
+            severity=Severity.INFO if _is_served(name, right) else None,
         )
+
+
+def _wanted(facts: PluginFacts) -> str | None:
+    """The simulator that a robot is for."""
+    if facts.simulator is None and facts.distro in FIRST_WITHOUT_CLASSIC:
+        return SIM
+    return facts.simulator
+
+
+def _is_for(plugin: Plugin, wanted: str) -> bool:
+    return simulator_of(plugin.filename) == wanted
+
+
+def _is_served(name: str, right: Collection[str]) -> bool:
+    """Whether plugins for the right simulator do what one for the other does."""
+    same = COUNTERPARTS.get(name) or [
+        classic for classic, systems in COUNTERPARTS.items() if name in systems
+    ]
+    # Of sensors and of what only one simulator has, any plugin shows that both are meant.
+    return any(one in right for one in same) if same else bool(right)
 
 
 def _predecessor(name: str) -> str | None:

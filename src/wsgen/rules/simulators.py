@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launch.commands import started_launch_files, started_programs
 from wsgen.launch.explain_missing import where_written
-from wsgen.launch.simulators import CLASSIC, GZ
+from wsgen.launch.simulators import CLASSIC, GZ, simulator_kinds
 from wsgen.launch.spawner_options import CREATE, read_options
-from wsgen.suggestions import did_you_mean
+from wsgen.rules.plugins import FIRST_WITHOUT_CLASSIC
+from wsgen.suggestions import did_you_mean, some_of
 from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator
+    from collections.abc import Callable, Collection, Iterable, Iterator
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
@@ -33,6 +34,20 @@ SPAWNER_OF_OTHER_SIMULATOR = Rule(
     "Node(package='gazebo_ros', executable='spawn_entity.py', ...)",
     instead="gz_sim.launch.py of ros_gz_sim, and\nNode(package='ros_gz_sim', executable='create',\n"
     "     arguments=['-topic', 'robot_description', '-name', 'my_robot'])",
+)
+NO_CLASSIC = Rule(
+    code="SPN105",
+    name="no-gazebo-classic",
+    severity=Severity.ERROR,
+    summary="The launch file starts Gazebo Classic, which the ROS 2 distribution does not have.",
+    what="Looks for the launch files, the spawner and the programs of Gazebo Classic where the "
+    "package is for Jazzy or later, and `gazebo_ros` is neither installed nor in the workspace.",
+    why="Gazebo Classic ended with Iron. `ros2 launch` stops: the package 'gazebo_ros' is not "
+    "found.",
+    example="# for Jazzy\nsource = PythonLaunchDescriptionSource(os.path.join(\n"
+    "    get_package_share_directory('gazebo_ros'), 'launch', 'gazebo.launch.py'))",
+    instead="source = PythonLaunchDescriptionSource(os.path.join(\n"
+    "    get_package_share_directory('ros_gz_sim'), 'launch', 'gz_sim.launch.py'))",
 )
 NO_FACTORY = Rule(
     code="LCH068",
@@ -163,6 +178,42 @@ def misplaced_spawners(plan: LaunchPlan, kinds: Collection[str]) -> Iterator[Pro
         kind = _SPAWNERS.get((program.package or "", program.executable or ""))
         if kind is not None and kinds and kind not in kinds:
             yield program
+
+
+def no_classic(
+    plan: LaunchPlan, distro: str | None, is_installed: Callable[[str], bool]
+) -> Iterator[Diagnostic]:
+    """Report, once, a launch file that starts Gazebo Classic where there is none.
+
+    `is_installed` says whether a package is on this machine or in the workspace.
+    """
+    if distro not in FIRST_WITHOUT_CLASSIC:
+        return
+    started: list[tuple[str, Path | None, int | None]] = [
+        (include.file.name, *_where(plan, include.file.name))
+        for include in started_launch_files(plan)
+        if include.package == "gazebo_ros"
+    ]
+    for one in started_programs(plan):
+        is_program = one.package is None and one.executable in _CLASSIC_PROGRAMS
+        if is_program or one.package == "gazebo_ros":
+            started.append((one.executable or "", one.file, one.line))
+    # A spawner alone is reported as that of another simulator.
+    if not started or is_installed("gazebo_ros") or simulator_kinds(plan) == {GZ}:
+        return
+    names = list(dict.fromkeys(f"`{name}`" for name, _, _ in started))
+    name, file, line = started[0]
+    yield NO_CLASSIC.at(
+        file,
+        line,
+        name,
+        message=f"ROS 2 {distro} has no Gazebo Classic: {some_of(names)} "
+        f"{'is' if len(names) == 1 else 'are'} not there, and the launch fails.",
+        hint="Include gz_sim.launch.py of ros_gz_sim, and spawn with `create` of ros_gz_sim.",
+    )
+
+
+_CLASSIC_PROGRAMS = frozenset(("gazebo", "gzserver", "gzclient"))
 
 
 def no_factory(
