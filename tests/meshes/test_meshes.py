@@ -45,6 +45,8 @@ def share(tmp_path: Path) -> Path:
         "file://{share}/meshes/part%20one.STL",
         "{share}/meshes/part one.STL",
         "meshes/part one.STL",
+        "file://meshes/part one.STL",
+        "file://arm/meshes/part one.STL",  # Gazebo has folders for resources
     ],
 )
 def test_found(share: Path, uri: str) -> None:

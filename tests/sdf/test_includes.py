@@ -9,6 +9,7 @@ import pytest
 
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.robot import Link, Robot
+from wsgen.pipeline.prepare import share_on_model_path
 from wsgen.sdf.lookup import model_finder
 from wsgen.sdf.models import read_sdf
 
@@ -26,7 +27,7 @@ GROUND = "<include><uri>model://ground_plane</uri></include>"
 
 
 def write_model(folder: Path, content: str, version: str = "1.9", name: str = "model.sdf") -> None:
-    folder.mkdir(exist_ok=True)
+    folder.mkdir(exist_ok=True, parents=True)
     (folder / name).write_text(f'<sdf version="{version}">\n{content}</sdf>', encoding="utf-8")
 
 
@@ -85,7 +86,7 @@ def test_model_config_names_the_file(read: Read, models: Path) -> None:
 @pytest.mark.parametrize("uri", ["parts/m", "parts/m/model.sdf", "file://{models}/m"])
 def test_paths(read: Read, models: Path, uri: str) -> None:
     for folder in (models, models.parent / "parts"):
-        folder.mkdir(exist_ok=True)
+        folder.mkdir(exist_ok=True, parents=True)
         write_model(folder / "m", f'<model name="m">{LINK}</model>')
     file = read(world(f"<include><uri>{uri.format(models=models)}</uri></include>"))
     assert file.diagnostics == ()
@@ -419,3 +420,23 @@ def test_a_relative_address_in_the_folders_of_models(read: Read, models: Path) -
     found = read_sdf(world, find_model=model_finder(world, {"GZ_SIM_RESOURCE_PATH": str(models)}))
     assert found.diagnostics == ()
     assert [model.name for model in found.models] == ["wall"]
+
+
+@pytest.mark.parametrize("is_exported", [True, False])
+def test_a_file_in_a_folder_for_resources(tmp_path: Path, is_exported: bool) -> None:
+    share = tmp_path / "install" / "share" / "hull"
+    write_model(share / "models" / "wall", f'<model name="wall">{LINK}</model>')
+    share.joinpath("package.xml").write_text(
+        '<package><export><gazebo_ros gazebo_media_path="/none:${prefix}"/></export></package>'
+    )
+    world = tmp_path / "w.sdf"
+    include = "<include><uri>file://models/wall/model.sdf</uri></include>"
+    world.write_text(f'<sdf version="1.9"><world name="w">{GROUND}{include}</world></sdf>')
+    environment = {"AMENT_PREFIX_PATH": str(tmp_path / "install")}
+    if not is_exported:
+        share.joinpath("package.xml").unlink()
+        environment["GAZEBO_RESOURCE_PATH"] = f"/none:{share}"
+    found = read_sdf(world, find_model=model_finder(world, environment))
+    assert found.diagnostics == ()
+    assert [model.name for model in found.models] == ["wall"]
+    assert share_on_model_path(environment)("models") == share / "models"

@@ -55,11 +55,14 @@ def locate(uri: str, share_of: ShareOf, folder: Path | None) -> Path | Missing:
     if not separator or scheme == "file":
         path = Path(after_scheme(unquote(rest)) if separator else uri)
         if not path.is_absolute():
-            if folder is None:
+            beside = None if folder is None else folder / path
+            is_beside = beside is not None and os.path.lexists(beside)
+            found = _among_resources(path, share_of) if separator and not is_beside else beside
+            if found is None and beside is None:
                 return Missing(
                     "has a relative path, and it is not known to which folder", IN_PACKAGE
                 )
-            path = folder / path
+            path = found or beside or path
     else:
         package, _, inside = rest.partition("/")
         share = share_of(package)
@@ -80,6 +83,13 @@ def locate(uri: str, share_of: ShareOf, folder: Path | None) -> Path | Missing:
             f"Convert it to one of {', '.join(FORMATS)}.",
         )
     return path
+
+
+def _among_resources(path: Path, share_of: ShareOf) -> Path | None:
+    """Look the first folder of a relative path up, as Gazebo does in its folders for resources."""
+    first, *inside = path.parts or ("",)
+    folder = share_of(first) if inside and first not in {".", ".."} else None
+    return None if folder is None else folder.joinpath(*inside)
 
 
 def _unreadable(uri: str) -> Missing | None:

@@ -6,6 +6,7 @@ addresses name are looked up in folders.
 
 from __future__ import annotations
 
+import itertools
 import os
 from dataclasses import replace
 from pathlib import Path
@@ -28,7 +29,7 @@ from wsgen.rules.check import check_robot
 from wsgen.rules.friction import turning_friction
 from wsgen.rules.robot_files import path_of_one_machine, uncalled_macros, unprefixed_xacro
 from wsgen.sdf.includes import DATABASE_MODELS
-from wsgen.sdf.lookup import is_folder, model_finder, model_folders
+from wsgen.sdf.lookup import is_folder, model_finder, model_folders, resource_folders
 from wsgen.sdf.models import read_model, read_sdf
 from wsgen.urdf.lumping import (
     DROPPED_BY_OLD_SDFORMAT,
@@ -341,11 +342,12 @@ def complete_meshes(
 
 
 def share_on_model_path(environment: Mapping[str, str]) -> Callable[[str], Path | None]:
-    """Look a package or model up where the environment tells Gazebo to look for models."""
+    """Look a package, model or other folder up where the environment tells Gazebo to look."""
     folders = model_folders(environment)
 
     def share_of(package: str) -> Path | None:
-        found = (folder / package for folder in folders if package)
+        places = itertools.chain(folders, resource_folders(environment))
+        found = (folder / package for folder in places if package)
         return next((folder for folder in found if is_folder(folder)), None)
 
     return share_of

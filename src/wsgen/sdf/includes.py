@@ -358,8 +358,10 @@ class Includes:
             if source.file is None:
                 return Path(written) if Path(written).is_absolute() else None
             beside = source.file.parent.absolute() / written
-            # Gazebo also looks for it in the folders of models.
-            elsewhere = None if separator or is_there(beside) else self._folder(f"model://{uri}")
+            # Gazebo also looks for it in the folders of models, or of resources.
+            elsewhere = (
+                None if is_there(beside) else self._folder(uri if separator else f"model://{uri}")
+            )
             return elsewhere or beside
         if scheme in {"http", "https"}:
             address = address_of(uri)

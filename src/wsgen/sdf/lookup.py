@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING
 from urllib.parse import unquote, urlsplit
 
 from wsgen.files import irregular_kind, read_regular
+from wsgen.markup import read_text
 from wsgen.values import NamedTuple, lazy_pattern
 from wsgen.xmltree import Malformed, children, parse
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Iterable, Iterator, Mapping
 
 
 SERVERS = ("fuel.gazebosim.org", "fuel.ignitionrobotics.org")  # one library under two names
@@ -190,7 +191,8 @@ def world_names(environment: Mapping[str, str]) -> list[str]:
 def model_finder(file: Path, environment: Mapping[str, str]) -> Callable[[str], Path | None]:
     """A function from `model://NAME` to the folder of the model; it gives None if there is none.
 
-    It also finds models by their address of Fuel if Gazebo has downloaded them. It looks where
+    It also finds models by their address of Fuel if Gazebo has downloaded them, and what
+    `file://FOLDER/...` names in the folders for resources. It looks where
     Gazebo does, then around the file that names the model: in the folders above it, and in their
     `models`, and in the packages of the install space. A folder with a model.config or model.sdf is
     preferred to one without.
@@ -208,6 +210,9 @@ def model_finder(file: Path, environment: Mapping[str, str]) -> Callable[[str], 
         if scheme in {"http", "https"}:
             return find_in_cache(uri, environment)
         name = name.strip("/")
+        if scheme == "file":
+            places = (place / name for place in (*resource_folders(environment), *above))
+            return next(filter(is_there, places), None)
         if not separator or scheme not in SCHEMES or not name or ".." in Path(name).parts:
             return None
         found = [folder / name for folder in folders if is_folder(folder / name)]
@@ -255,6 +260,22 @@ def models_around(file: Path) -> set[str]:
 def model_folders(environment: Mapping[str, str]) -> list[Path]:
     """The folders for models in the environment variables of Gazebo."""
     return _entries(MODEL_PATHS, environment)
+
+
+_EXPORTED = lazy_pattern(r"<gazebo_ros\b[^>]*?\bgazebo_m(?:edia|odel)_path\s*=\s*[\"']([^\"']+)")
+
+
+def resource_folders(environment: Mapping[str, str]) -> Iterator[Path]:
+    """The folders in which Gazebo looks for what has a relative path.
+
+    They are those of the environment, then those that package.xml of a package exports to it.
+    """
+    yield from _entries(SEARCH_PATHS, environment)
+    for prefix in _entries(["AMENT_PREFIX_PATH"], environment):
+        for manifest in sorted(prefix.glob("share/*/package.xml")):
+            for paths in _EXPORTED.findall(read_text(manifest) or ""):
+                for path in paths.split(os.pathsep):
+                    yield Path(path.replace("${prefix}", str(manifest.parent)))
 
 
 def is_file(path: Path) -> bool:
