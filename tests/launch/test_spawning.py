@@ -206,6 +206,51 @@ def test_options_glued_into_one_argument() -> None:
     assert "one argument" in diagnostics[0].message
 
 
+@pytest.mark.parametrize(
+    ("words", "z"),
+    [
+        (("-z 0.5",), 0.5),
+        (("-z0.5", "-x -1.8"), 0.5),
+        (("-z=0.5",), 0.5),
+        (("-z", "-.5"), -0.5),
+        (("-z", " 0.5 "), 0.5),
+        (("-z=-5e-1",), -0.5),
+    ],
+)
+def test_values_that_argparse_accepts(words: tuple[str, ...], z: float) -> None:
+    spawn = only_spawn(publisher(), spawner("-topic", "robot_description", "-ent", "e", *words))
+    assert spawn.entity == "e"
+    assert spawn.pose_in_world.xyz[2] == z
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "said"),
+    [
+        (("-x 1 -y 2",), "SPN005", "' 1 -y 2', which is not a finite number"),
+        (("-z", "-5e-1"), "SPN004", "takes -5e-1 for an option"),
+        (("-t", "3"), "SPN004", "ambiguous option"),
+        (("-b 1",), "SPN004", "ignored explicit argument"),
+        (("-timeout 60",), "SPN004", "'-timeout 60' is one argument"),
+        (("-timeout", "long"), "SPN004", "invalid float value"),
+        (("--z", "1"), "SPN004", "does not know '--z'"),
+    ],
+)
+def test_values_that_argparse_refuses(words: tuple[str, ...], code: str, said: str) -> None:
+    program = spawner("-topic", "robot_description", "-entity", "e", *words)
+    found, message = only_error(program, publisher())
+    assert found == code
+    assert said in message
+
+
+def test_create_takes_no_value_in_the_word_of_its_option() -> None:
+    (spawn,), (found,) = find_spawns(
+        plan(publisher(), create("-topic", "robot_description", "-z 0.5", "-x", "-1e-3"))
+    )
+    assert spawn.pose_in_world.xyz == (-1e-3, 0, 0)
+    assert "'-z 0.5' is one argument of create" in found.message
+    assert found.severity is Severity.WARNING
+
+
 def test_nobody_publishes() -> None:
     code, message = only_error(spawner("-topic", "robot_description", "-entity", "e"))
     assert code == "SPN008"

@@ -1,17 +1,18 @@
 """The options of the spawners, read as these programs do.
 
-`spawn_entity.py` (gazebo_ros) reads `-name value` as argparse does, `create` (ros_gz_sim) as gflags
-does: `-name value`, `-name=value` or `--name=value`; it ignores what it does not know. It takes
-node parameters too, which win over the options. Source: the programs.
+`spawn_entity.py` (gazebo_ros) reads them with argparse, `create` (ros_gz_sim) with gflags:
+`-name value`, `-name=value` or `--name=value`; it ignores what it does not know. It takes node
+parameters too, which win over the options. Source: the programs.
 """
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.suggestions import advice, did_you_mean
-from wsgen.values import NamedTuple
+from wsgen.values import NamedTuple, lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -157,17 +158,66 @@ def _read_words(
     process: Process, options: Options
 ) -> tuple[dict[str, str], list[_Remark], list[_Remark]]:
     """The values, and what is said of unknown words and of missing values."""
+    words = list(process.arguments)
+    if "--ros-args" in words:
+        del words[words.index("--ros-args") :]
+    return (_read_strictly if options.is_strict else _read_flags)(process, words, options)
+
+
+def _read_strictly(
+    process: Process, words: list[str], options: Options
+) -> tuple[dict[str, str], list[_Remark], list[_Remark]]:
+    """As `_read_words`, of words that argparse reads."""
+    # Only the spawner of Gazebo Classic needs argparse.
+    from wsgen.launch.spawn_entity_arguments import RefusedError, parse
+
+    try:
+        values, rest = parse(words, options.with_value, options.flags)
+    except RefusedError as error:
+        return {}, [], [_refused(process, words, str(error))]
+    # What follows an unknown option is its value.
+    before = ["", *rest]
+    unknown = [
+        _unknown(process, word, options)
+        for word, previous in zip(rest, before, strict=False)
+        if word.startswith("-") or not previous.startswith("-") or " " in previous
+    ]
+    return values, unknown, []
+
+
+_NO_VALUE = lazy_pattern(r"argument (-\w+): expected one argument")
+
+
+def _refused(process: Process, words: list[str], message: str) -> _Remark:
+    """What is said of words that argparse refuses."""
+    lacking = _NO_VALUE.fullmatch(message)
+    if lacking is None:
+        return _Remark(
+            f"{process.executable} refuses its arguments: {message}.",
+            "Write each option and each value as a separate item of `arguments`.",
+        )
+    option = lacking[1]
+    value = next((after for word, after in itertools.pairwise(words) if word == option), "")
+    # `-1` and `-.5` are values for argparse, `-1e-3` is an option.
+    is_number = value[1:2].isdigit()
+    return _Remark(
+        f"{option} of {process.executable} has no value"
+        f"{f': argparse takes {value} for an option' if is_number else ''}.",
+        f"Write '{option}={value}'." if is_number else f"Add it: {option} VALUE.",
+    )
+
+
+def _read_flags(
+    process: Process, words: list[str], options: Options
+) -> tuple[dict[str, str], list[_Remark], list[_Remark]]:
+    """As `_read_words`, of words that gflags reads."""
     values: dict[str, str] = {}
     unknown: list[_Remark] = []
     errors: list[_Remark] = []
-    words = list(process.arguments)
     while words:
         word = words.pop(0)
-        if word == "--ros-args":
-            break
         name, has_value, value = word.lstrip("-").partition("=")
-        if not options.is_strict:  # gflags takes dashes for underscores
-            name = name.replace("-", "_")
+        name = name.replace("-", "_")  # gflags takes dashes for underscores
         if not word.startswith("-") or name not in options.with_value | options.flags:
             unknown.append(_unknown(process, word, options))
             if word.startswith("-") and not has_value and words and words[0][:1] != "-":

@@ -437,7 +437,9 @@ def _invalid(program: Process, name: str, value: Any) -> Diagnostic:
         INVALID_SPAWN_POSE,
         program,
         f"{name} of the spawner is '{value}', which is not a finite number.",
-        "Give meters for -x -y -z and radians for -R -P -Y.",
+        "Write each option and each value as a separate item of `arguments`."
+        if len(str(value).split()) > 1
+        else "Give meters for -x -y -z and radians for -R -P -Y.",
     )
 
 
