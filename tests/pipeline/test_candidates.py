@@ -1,15 +1,16 @@
 """Which launch files are simulated, from plans alone."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.launch.explain import ARGUMENT_WITHOUT_VALUE, SYNTAX_ERROR
+from wsgen.launch.explain import ARGUMENT_WITHOUT_VALUE, SYNTAX_ERROR, UNDEFINED_CONFIGURATION
 from wsgen.launch.explain_missing import PACKAGE_NOT_FOUND, XACRO_FAILS
-from wsgen.model.plan import Include, LaunchPlan
+from wsgen.model.plan import Include, LaunchPlan, Process
 from wsgen.model.transform import Pose
 from wsgen.model.world import Simulator, Spawn
-from wsgen.pipeline.candidates import Candidate, LaunchFile, choose
+from wsgen.pipeline.candidates import Candidate, LaunchFile, choose, with_commands
 from wsgen.pipeline.started import Started
 
 GAZEBO = Simulator(kind="classic", world=None)
@@ -72,6 +73,24 @@ def test_a_world_that_is_missing_is_shown() -> None:
     incomplete = world._replace(started=world.started._replace(lacks_model="w.sdf: no model."))
     assert chosen(incomplete) == []
     assert reasons(incomplete) == ["w.sdf: no model"]
+
+
+def test_what_a_command_gives() -> None:
+    failing = candidate("inner", error=error(UNDEFINED_CONFIGURATION.code))
+    words = ("ros2", "launch", "p", "inner", "x:=1")
+    process = Process(package=None, executable=None, command=words)
+    plan = replace(candidate("outer").started.plan, processes=(process,))
+    outer = candidate("outer")._replace(started=candidate("outer").started._replace(plan=plan))
+
+    def evaluate(file: LaunchFile, arguments: Mapping[str, str]) -> Started:
+        assert (file.file.name, arguments) == ("inner", {"x": "1"})
+        return candidate("inner", robot("r")).started
+
+    assert chosen(failing, outer) == ["inner"]
+    _, inner = with_commands([outer, failing], evaluate)
+    assert not inner.errors
+    assert inner.started.spawns
+    assert with_commands([failing], evaluate) == [failing]
 
 
 def test_the_outer_one_of_any_package() -> None:

@@ -167,6 +167,36 @@ def test_what_an_included_launch_file_is_given_is_not_missing(tmp_path: Path) ->
     assert run(package).diagnostics == ()
 
 
+@pytest.mark.parametrize(("argument", "severity"), [("speed", "info"), ("slow", "warning")])
+def test_what_a_command_may_give_is_not_surely_missing(
+    tmp_path: Path, argument: str, severity: str
+) -> None:
+    package = write_package(tmp_path)
+    (package / "launch" / "inner.launch.py").write_text(
+        "from launch import LaunchDescription\n"
+        "from launch.actions import LogInfo\n"
+        "from launch.substitutions import LaunchConfiguration\n"
+        "def generate_launch_description():\n"
+        "    return LaunchDescription([LogInfo(msg=LaunchConfiguration('speed'))])\n"
+    )
+    (package / "launch" / "outer.launch.py").write_text(
+        "from launch import LaunchDescription\n"
+        "from launch.actions import ExecuteProcess, RegisterEventHandler\n"
+        "from launch.event_handlers import OnProcessExit\n"
+        "def generate_launch_description():\n"
+        "    run = ExecuteProcess(cmd=['ros2', 'launch', 'cart', 'inner.launch.py',\n"
+        f"                              '{argument}:=1'])\n"
+        "    first = ExecuteProcess(cmd=['sleep', '1'])\n"
+        "    return LaunchDescription([first, RegisterEventHandler(OnProcessExit(\n"
+        "        target_action=first, on_exit=lambda event, _: [run] if event.returncode else []\n"
+        "    ))])\n"
+    )
+    (found,) = run(package).diagnostics
+    assert found.name == "undefined-configuration"
+    # It is started where the process fails, which is not evaluated.
+    assert found.severity.value == severity
+
+
 def test_files_without_a_package(tmp_path: Path) -> None:
     file = tmp_path / "robots" / "cart.urdf"
     file.parent.mkdir()

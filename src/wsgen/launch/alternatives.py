@@ -115,7 +115,7 @@ def _values(argument: LaunchArgument, read: Mapping[str, Sequence[str]]) -> list
 
 def _values_in_conditions(file: Path) -> dict[str, list[str]]:
     """The values that the conditions of a launch file have for arguments."""
-    nodes = list(nodes_of(file))
+    nodes: list[Any] = list(nodes_of(file))
     variables = {
         node.targets[0].id: _names_in(node.value, {})
         for node in nodes
@@ -125,16 +125,15 @@ def _values_in_conditions(file: Path) -> dict[str, list[str]]:
     found: dict[str, list[str]] = {}
     for node in nodes:
         kind = _called(node)
-        texts = [one.value for one in ast.walk(node) if _is_text(one)]
+        inside: list[Any] = list(ast.walk(node))
+        texts = [one.value for one in inside if _is_text(one)]
         if kind in _COMPARISONS:
             names, values = texts[:1], texts[1:2]
         elif kind == "PythonExpression":
             names = _names_in(node, variables)
             compared = _COMPARED.findall("".join(texts))
             values = ["".join(groups) for groups in compared] or [*_TRUTHS.values()]
-        elif kind in _CONDITIONS and not any(
-            _called(one) == "PythonExpression" for one in ast.walk(node)
-        ):
+        elif kind in _CONDITIONS and not any(_called(one) == "PythonExpression" for one in inside):
             names, values = _names_in(node, variables), [*_TRUTHS]
         else:
             continue
@@ -155,7 +154,8 @@ def _is_text(node: Any) -> bool:
 def _names_in(node: Any, variables: Mapping[str, Sequence[str]]) -> list[str]:
     """The launch arguments that an expression reads."""
     found: list[str] = []
-    for one in ast.walk(node):
+    inside: list[Any] = list(ast.walk(node))
+    for one in inside:
         if _called(one) == "LaunchConfiguration":
             found += [text.value for text in one.args[:1] if _is_text(text)]
         elif isinstance(one, ast.Name):

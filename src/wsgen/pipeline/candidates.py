@@ -11,17 +11,19 @@ from wsgen.diagnostics import Severity, has_errors
 from wsgen.events import OneAtATime, StepEnded, StepProgressed, StepStarted, post
 from wsgen.files import real_path
 from wsgen.isolation import parent
+from wsgen.launch.commands import nested_launch, programs
 from wsgen.launch.spawning import names_spawner
 from wsgen.pipeline.parallel import run_parallel
 from wsgen.pipeline.started import waits_for_description, with_description
 from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+    from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.events import Listener
     from wsgen.isolation.parent import Run
+    from wsgen.model.plan import Include
     from wsgen.pipeline.started import Started
     from wsgen.workspace.overlay import Overlay
 
@@ -137,6 +139,50 @@ def with_descriptions(found: Sequence[Candidate], overlay: Overlay) -> Iterator[
             if waits_for_description(started):
                 started = with_description(started, plans, overlay)
         yield one._replace(started=started)
+
+
+def with_commands(
+    found: Sequence[Candidate], evaluate: Callable[[LaunchFile, Mapping[str, str]], Started]
+) -> list[Candidate]:
+    """Evaluate those that fail again, with what `ros2 launch` gives them in other launch files."""
+    return [
+        next(_started_by_commands(one, found, evaluate), one)
+        if has_errors(one.started.plan.diagnostics)
+        else one
+        for one in found
+    ]
+
+
+def _started_by_commands(
+    one: Candidate,
+    found: Sequence[Candidate],
+    evaluate: Callable[[LaunchFile, Mapping[str, str]], Started],
+) -> Iterator[Candidate]:
+    """The launch file with the arguments of each command with which it does not fail."""
+    for command in commands(one, found):
+        if command.arguments:
+            started = evaluate(one.launch_file, command.arguments)
+            if not has_errors(started.plan.diagnostics):
+                yield one._replace(started=started)
+
+
+def commands(one: Candidate, beside: Iterable[Candidate]) -> Iterator[Include]:
+    """The commands `ros2 launch` in other launch files that run this one."""
+    for other in beside:
+        if other is one:
+            continue
+        for process in other.started.plan.processes:
+            for program in programs(process) if process.command else ():
+                nested = nested_launch(program)
+                if nested is None or nested.file.name != one.file.name:
+                    continue
+                is_path = nested.package is None
+                if (
+                    real_path(nested.file) == real_path(one.file)
+                    if is_path
+                    else (nested.package == one.package)
+                ):
+                    yield nested
 
 
 def choose(

@@ -12,7 +12,13 @@ from wsgen.diagnostics import has_errors
 from wsgen.files import real_path
 from wsgen.isolation.parent import make_part
 from wsgen.launch.evaluate import DISTRO_OF_LAUNCHES
-from wsgen.pipeline.candidates import Candidate, LaunchFile, simulation_of, with_descriptions
+from wsgen.pipeline.candidates import (
+    Candidate,
+    LaunchFile,
+    simulation_of,
+    with_commands,
+    with_descriptions,
+)
 from wsgen.pipeline.check_controllers import check_controlled
 from wsgen.pipeline.check_launched import (
     check_addresses,
@@ -38,7 +44,7 @@ from wsgen.pipeline.file_validation import UNUSABLE_FILE, FileValidation
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.prepare import PrepareContext
 from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
-from wsgen.pipeline.started import start
+from wsgen.pipeline.started import Started, start
 from wsgen.rules import launch_files
 from wsgen.rules.target import target_of
 from wsgen.values import NamedTuple
@@ -218,14 +224,15 @@ class PackageCheck:
             # In packages of ROS 1 this is an ending of its own launch files.
             and not (self.package.build_type == "catkin" and file.name.endswith(".launch.xml"))
         ]
-        found = [
-            Candidate(
-                LaunchFile(self.package.name, file),
-                start(file, self.package.name, self.overlay, NOTHING, self.run_task),
-            )
-            for file in files
-        ]
-        return list(with_descriptions(found, self.overlay))
+
+        def evaluate(launch_file: LaunchFile, arguments: Mapping[str, str]) -> Started:
+            request = replace(NOTHING, launch_arguments=arguments)
+            name = self.package.name
+            return start(launch_file.file, name, self.overlay, request, self.run_task)
+
+        launch_files = [LaunchFile(self.package.name, file) for file in files]
+        found = [Candidate(launch_file, evaluate(launch_file, {})) for launch_file in launch_files]
+        return list(with_descriptions(with_commands(found, evaluate), self.overlay))
 
     def _check_launched(
         self, candidates: Sequence[Candidate], folder: Path
@@ -286,14 +293,16 @@ class PackageCheck:
     def _is_named_elsewhere(self, file: Path, *arguments: str) -> bool:
         """Whether a launch file of another package of the workspaces names one of this package.
 
-        With names of launch arguments: whether it has these, too.
+        With names of launch arguments: whether it has these, too, in any package. What it starts
+        may depend on what happens: on the exit code of a process, or on its output.
         """
         names = [name.encode() for name in (file.name, self.package.name, *arguments)]
         return any(
             all(name in read(other) for name in names)
             for package in self.installed.sources.values()
-            if package.name != self.package.name
+            if arguments or package.name != self.package.name
             for other in find_launch_files(package.path)
+            if other.name != file.name or package.name != self.package.name
         )
 
     def _is_installed(self, package: str) -> bool:

@@ -20,7 +20,7 @@ from wsgen.description_rules import (
 )
 from wsgen.diagnostics import Severity
 from wsgen.files import real_path
-from wsgen.launch.commands import has_gaps, nested_launch, programs
+from wsgen.launch.commands import has_gaps
 from wsgen.launch.descriptions import UNPUBLISHED_DESCRIPTION
 from wsgen.launch.explain import (
     ARGUMENT_WITHOUT_VALUE,
@@ -46,6 +46,7 @@ from wsgen.launch.explain_names import (
 from wsgen.launch.simulators import NO_SIMULATOR
 from wsgen.launch.spawner_options import INVALID_SPAWNER_OPTION
 from wsgen.launch.undeclared import UNDECLARED_PACKAGE
+from wsgen.pipeline.candidates import commands
 from wsgen.pipeline.file_kinds import read
 from wsgen.pipeline.file_validation import NO_MODEL, PART_OF_ROBOT
 from wsgen.ros_names import released_packages
@@ -69,7 +70,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.plan import Include
     from wsgen.pipeline.candidates import Candidate
 
 
@@ -273,7 +273,7 @@ def _is_misspelled(found: Diagnostic) -> bool:
 
 def is_included(one: Candidate, beside: Sequence[Candidate]) -> bool:
     """Whether one of the other launch files includes this one, or runs it with `ros2 launch`."""
-    return _is_evaluated_inside(one, beside) or any(_commands(one, beside))
+    return _is_evaluated_inside(one, beside) or any(commands(one, beside))
 
 
 def _is_evaluated_inside(one: Candidate, beside: Iterable[Candidate]) -> bool:
@@ -284,26 +284,7 @@ def _is_evaluated_inside(one: Candidate, beside: Iterable[Candidate]) -> bool:
 
 def _given_by_command(one: Candidate, beside: Iterable[Candidate]) -> set[str]:
     """The names of the launch arguments that other launch files run this one with."""
-    return {name for command in _commands(one, beside) for name in command.arguments}
-
-
-def _commands(one: Candidate, beside: Iterable[Candidate]) -> Iterator[Include]:
-    """The commands `ros2 launch` in other launch files that run this one."""
-    for other in beside:
-        if other is one:
-            continue
-        for process in other.started.plan.processes:
-            for program in programs(process) if process.command else ():
-                nested = nested_launch(program)
-                if nested is None or nested.file.name != one.file.name:
-                    continue
-                is_path = nested.package is None
-                if (
-                    real_path(nested.file) == real_path(one.file)
-                    if is_path
-                    else (nested.package == one.package)
-                ):
-                    yield nested
+    return {name for command in commands(one, beside) for name in command.arguments}
 
 
 QUOTED = lazy_pattern(r"'([^']+)'")

@@ -6,6 +6,7 @@ import os
 import re
 from collections import Counter
 from dataclasses import replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from wsgen.build.request import refuse_empty
@@ -13,11 +14,13 @@ from wsgen.build_files.cmake_text import read_calls
 from wsgen.build_files.install_checks import UNINSTALLED_LAUNCH_FILE
 from wsgen.diagnostics import Rule, Severity
 from wsgen.errors import RequestError
+from wsgen.isolation import parent
 from wsgen.model.outcome import NotValidated
 from wsgen.pipeline.candidates import (
     LaunchFile,
     choose,
     evaluate_launch_files,
+    with_commands,
     with_descriptions,
 )
 from wsgen.pipeline.launch_file_lookup import (
@@ -105,11 +108,12 @@ def select_packages(
         return Selection(tuple(_with_labels(by_name, shares)))
     packages = {name: _list_files(name, sources.get(name), overlay.share(name)) for name in names}
 
-    def evaluate(launch_file: LaunchFile, run: Run) -> Started:
+    def evaluate(
+        launch_file: LaunchFile, run: Run, arguments: Mapping[str, str] = MappingProxyType({})
+    ) -> Started:
         package = packages[launch_file.package]
-        return start(
-            launch_file.file, package.name if package.share else None, overlay, request, run
-        )
+        given = replace(request, launch_arguments={**arguments, **request.launch_arguments})
+        return start(launch_file.file, package.name if package.share else None, overlay, given, run)
 
     evaluated = evaluate_launch_files(
         [
@@ -122,7 +126,8 @@ def select_packages(
         listener,
         evaluate,
     )
-    found = tuple(with_descriptions(evaluated, overlay))
+    started = with_commands(evaluated, lambda file, given: evaluate(file, parent.run, given))
+    found = tuple(with_descriptions(started, overlay))
     behaviors = {name: read_settings(source)[0].behaviors for name, source in sources.items()}
     behaving = {name for name, wanted in behaviors.items() if wanted}
     choice = choose(
