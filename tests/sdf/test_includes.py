@@ -199,6 +199,10 @@ def test_what_cannot_be_had(read: Read, models: Path, include: str, severity: Se
     (found,) = inside.diagnostics
     assert (found.code, found.severity, found.line) == ("WLD004", Severity.ERROR, 3)
     assert inside.models[0].robot is not None
+    # What is static stands without it: the scenery of TurtleBot3 is such a model.
+    scenery = f'<model name="m"><static>1</static>\n<include>{include}</include></model>'
+    (found, *_) = read(world(scenery)).diagnostics
+    assert (found.code, found.severity) == ("WLD004", severity)
 
 
 def test_a_special_file_is_not_read(read: Read, models: Path) -> None:

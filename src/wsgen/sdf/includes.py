@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.robot import Robot
+    from wsgen.sdf.frames import Node
     from wsgen.sdf.source import Source
     from wsgen.xmltree import Element
 
@@ -41,9 +42,9 @@ MODEL_LEFT_OUT = Rule(
     code="WLD004",
     name="model-left-out",
     severity=Severity.WARNING,
-    severity_varies="an error where the model is part of another model, where an `<include>` has "
-    "no `<uri>`, and where the world has no ground because of it; information of `wsgen check` "
-    "about what Gazebo downloads, and about actors and the like",
+    severity_varies="an error where the model is part of another model that can move, where an "
+    "`<include>` has no `<uri>`, and where the world has no ground because of it; "
+    "information of `wsgen check` about what Gazebo downloads, and about actors and the like",
     summary="A model of the world is not part of the simulation.",
     what="Looks for included models beside the file, in the folders of `GAZEBO_MODEL_PATH` and "
     "`GZ_SIM_RESOURCE_PATH` and in the cache of Gazebo Fuel; the network is not used. Joints, "
@@ -178,14 +179,14 @@ class Includes:
         uri: str,
         trail: tuple[Path, ...],
         *,
-        is_part: bool,
+        outer: Node | None,
     ) -> tuple[Source, Element] | None:
         """The model of an include and its file; None, with a diagnostic, if it cannot be read.
 
-        `trail` are the files that lead here; `is_part` says that it is part of another model, which
-        is incomplete without it.
+        `trail` are the files that lead here; `outer` is the model that it is part of. That is
+        incomplete without it; a static one stands all the same.
         """
-        found = self._find(source, include, uri, trail, is_part=is_part)
+        found = self._find(source, include, uri, trail, outer=outer)
         if found is None:
             self.left_out.add(include)
         return found
@@ -260,7 +261,7 @@ class Includes:
         uri: str,
         trail: tuple[Path, ...],
         *,
-        is_part: bool,
+        outer: Node | None,
     ) -> tuple[Source, Element] | None:
         if not uri:
             source.report_missing(
@@ -287,18 +288,19 @@ class Includes:
             return None
         if isinstance(found, Path):
             inner = self._source(found)
-            element = None if inner is None else self._model_in(inner, is_part=is_part)
+            element = None if inner is None else self._model_in(inner, is_part=outer is not None)
             if inner is not None and element is not None:
                 return inner, element
             if inner is not None and next(children(inner.root, "light", "actor"), None) is not None:
                 return None  # without a collision
             found = _why_no_model(found, inner)
-        if not self.leave_to_gazebo(source, include, uri, is_solid=is_part):
-            self._report_left_out(source, include, uri, found, is_part=is_part)
+        if not self.leave_to_gazebo(source, include, uri, is_solid=outer is not None):
+            is_needed = outer is not None and not outer.is_static
+            self._report_left_out(source, include, uri, found, is_needed=is_needed)
         return None
 
     def _report_left_out(
-        self, source: Source, include: Element, uri: str, why: str, *, is_part: bool
+        self, source: Source, include: Element, uri: str, why: str, *, is_needed: bool
     ) -> None:
         near = self._near(source, uri)
         if near == GROUND_PLANE:
@@ -309,7 +311,7 @@ class Includes:
             at=include,
             hint=did_you_mean(f"model://{near}") if near else how_to_find(uri),
             # The models of a world may be where wsgen does not look.
-            severity=Severity.ERROR if is_part else Severity.WARNING,
+            severity=Severity.ERROR if is_needed else Severity.WARNING,
             reason=DOWNLOADED
             if _is_on_network(uri)
             else ELSEWHERE

@@ -167,7 +167,7 @@ class Contents:
         uri = word(include, "uri")
         if is_sun(uri):
             return
-        found = self.includes.find(scope.source, include, uri, trail, is_part=not scope.is_world)
+        found = self.includes.find(scope.source, include, uri, trail, outer=scope.node)
         is_merged = not scope.is_world and include.get("merge") in {"true", "1"}
         if found is None:
             last = uri.rstrip("/").rpartition("/")[2]
