@@ -695,6 +695,72 @@ BUILDS: dict[str, Plant] = {
     "BLD064": setup(SETUP.replace("package_name = 'my_robot'", "@")),
 }
 
+IN_NODE = """\
+#!/usr/bin/env python3
+import rclpy
+from geometry_msgs.msg import Twist
+from rclpy.node import Node
+
+
+class Talker(Node):
+
+    def __init__(self):
+        super().__init__('talker')
+        @
+
+    def tick(self):
+        self.get_logger().info(str(Twist()))
+
+    def on_scan(self, scan):
+        pass
+
+
+def main():
+    rclpy.init()
+    rclpy.spin(Talker())
+
+
+if __name__ == '__main__':
+    main()
+"""
+
+
+def node(around: str, **options: Any) -> Plant:
+    """Plant into a Python program that is installed."""
+    declared = "".join(
+        f"<exec_depend>{one}</exec_depend>"
+        for one in ("geometry_msgs", "nav_msgs", "rclpy", "sensor_msgs")
+    )
+    return Plant(
+        file="scripts/talk.py",
+        around=around,
+        files={
+            "CMakeLists.txt": cmake(
+                "", "install(PROGRAMS scripts/talk.py DESTINATION lib/${PROJECT_NAME})\n"
+            ),
+            "package.xml": put(in_manifest(), declared),
+        },
+        **options,
+    )
+
+
+BUILDS |= {
+    "PKG105": node(put(IN_NODE, "pass").replace("import rclpy\n", "@\nimport rclpy\n")),
+    "PKG106": node(put(IN_NODE, "pass").replace("import rclpy\n", "@\nimport rclpy\n")),
+    "PKG107": node(
+        IN_NODE.replace("def tick", "def tik"), good=IN_NODE, swaps=(("# def tik(self)", ""),)
+    ),
+    "PKG108": node(IN_NODE, swaps=(("\n", "\n        "),)),
+    "BLD073": node(
+        IN_NODE,
+        good=put(IN_NODE, "self.create_subscription(LaserScan, 'scan', self.on_scan, 10)").replace(
+            "import rclpy\n", "import rclpy\n@\n"
+        ),
+    ),
+    "BLD074": node("@\n", swaps=(("\ndef main", "\nimport rclpy\n\n\ndef main"),)),
+    "BLD075": node(IN_NODE),
+}
+
 # ---- launch files --------------------------------------------------------------------------------
 
 IMPORTS = """\

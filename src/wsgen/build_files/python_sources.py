@@ -55,7 +55,7 @@ _FEATURE = lazy_pattern(r"(.+) (?:is|are) only supported in Python (\d+\.\d+) an
 def check_python_syntax(facts: BuildFacts, distro: str | None) -> Iterator[Diagnostic]:
     """Report syntax errors in the Python files that a package installs."""
     wanted = _python_of(distro)
-    for file, is_started in _python_files(facts).items():
+    for file, is_started in python_files(facts).items():
         found = _syntax_error(file, wanted)
         if found is None:
             continue
@@ -82,7 +82,7 @@ def _named(version: tuple[int, int] | None) -> str:
     return "" if version is None else f" {version[0]}.{version[1]}"
 
 
-def _python_files(facts: BuildFacts) -> dict[Path, bool]:
+def python_files(facts: BuildFacts) -> dict[Path, bool]:
     """The files, and whether a program of the package surely runs them."""
     started = {one.entry_point.partition(":")[0] for one in facts.executables if one.entry_point}
     found: dict[Path, bool] = {}

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import ast
 import re
+import sys
+from functools import cache
 from typing import TYPE_CHECKING
 
 from wsgen.ros_names import released_packages
+from wsgen.suggestions import misspelled_as
 from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
@@ -41,6 +44,12 @@ MODULES = frozenset(
     )
 )
 OTHER_MODULES = {"moveit": "moveit_py", "urdf_parser_py": "urdfdom_py"}
+# Of these, those that nodes import, and whose names are misspelled.
+OF_NODES = (
+    *("ament_index_python", "cv_bridge", "launch", "launch_ros", "message_filters", "rclpy"),
+    *("sensor_msgs_py", "tf2_geometry_msgs", "tf2_ros", "tf_transformations"),
+)
+OF_INTERFACES = ("_msgs", "_srvs", "_interfaces", "_actions")
 MESSAGES = ("_msgs", "_interfaces", "_srvs", "_msg", "_actions")
 
 
@@ -52,6 +61,20 @@ def package_of_module(module: str, workspace: Collection[str]) -> str | None:
     if module in MODULES or module in OTHER_MODULES or module.endswith(MESSAGES):
         return package if package in released_packages() else None
     return None
+
+
+def misspelled_module(module: str, workspace: Collection[str]) -> str | None:
+    """The package that nodes import, of whose name this one is surely a misspelling."""
+    if module in released_packages() or module in workspace:
+        return None
+    if module in sys.stdlib_module_names:
+        return None
+    return misspelled_as(module, (*workspace, *OF_NODES, *_interfaces()))
+
+
+@cache
+def _interfaces() -> tuple[str, ...]:
+    return tuple(one for one in released_packages() if one.endswith(OF_INTERFACES))
 
 
 def is_beside(module: str, file: Path) -> bool:

@@ -6,10 +6,11 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wsgen.launch.imported_packages import misspelled_module
 from wsgen.markup import read_text
 from wsgen.ros_environment.interfaces import buildable
 from wsgen.ros_names import released_packages
-from wsgen.suggestions import did_you_mean, misspelled_as, nearest
+from wsgen.suggestions import did_you_mean, nearest
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -67,12 +68,7 @@ ON_PYPI = {
 }
 # Modules of Python that Linux distributions have in packages of their own.
 OF_PYTHON = {"tkinter": "python3-tk", "curses": "libncurses-dev", "_tkinter": "python3-tk"}
-# Packages of ROS that nodes import: those of interfaces by the ends of their names, and others.
-OF_INTERFACES = ("_msgs", "_srvs", "_interfaces", "_actions")
-OF_NODES = (
-    *("ament_index_python", "cv_bridge", "launch", "launch_ros", "message_filters", "rclpy"),
-    *("sensor_msgs_py", "tf2_geometry_msgs", "tf2_ros", "tf_transformations"),
-)
+# Packages of ROS 1 that nodes import.
 OF_ROS_1 = frozenset(("actionlib", "dynamic_reconfigure", "roslib", "rospy", "tf"))
 
 
@@ -135,7 +131,7 @@ def tell_of_module(
             )
         if top in OF_ROS_1:
             return f"{lacks}: it is one of ROS 1; port the node to ROS 2"
-        meant = _meant(top, workspace)
+        meant = None if top in ON_PYPI else misspelled_module(top, workspace)
         if meant is not None:
             return f"{lacks}. {did_you_mean(meant)}"
     return f"{lacks}: {way_to_module(top, python, workspace, distro)}"
@@ -153,14 +149,6 @@ def way_to_module(
     if top not in ON_PYPI and top in released_packages():
         return _way_to_package(top, distro)
     return f"{python or 'python3'} -m pip install {ON_PYPI.get(top, top)}"
-
-
-def _meant(module: str, workspace: Collection[str]) -> str | None:
-    """The package that nodes import, of whose name this is a misspelling."""
-    if module in ON_PYPI or module in released_packages():
-        return None
-    interfaces = (one for one in released_packages() if one.endswith(OF_INTERFACES))
-    return misspelled_as(module, (*workspace, *OF_NODES, *interfaces))
 
 
 def _way_to_package(name: str, distro: str | None) -> str:

@@ -30,6 +30,7 @@ from wsgen.pipeline.check_launched import (
     sets_search_path,
 )
 from wsgen.pipeline.check_manifest import check_package_manifest
+from wsgen.pipeline.check_nodes import check_nodes
 from wsgen.pipeline.check_severities import (
     is_included,
     of_file_alone,
@@ -202,6 +203,7 @@ class PackageCheck:
             yield from check_for_distro(facts.build.dated_calls, facts.distro)
             if facts.package.build_type != "catkin":  # whose programs may be of Python 2
                 yield from check_python_syntax(facts.build, facts.distro)
+                yield from check_nodes(facts.build, self.installed.sources)
         yield from check_package_manifest(
             facts.package,
             build=facts.build,

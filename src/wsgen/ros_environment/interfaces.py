@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+from functools import cache
 from pathlib import Path
 
 FOLDER = Path(__file__).with_name("interfaces")
@@ -18,6 +19,11 @@ ADDED = {
     "action": ("action_msgs", "unique_identifier_msgs", "service_msgs", "builtin_interfaces"),
 }
 OTHER_PACKAGE = re.compile(r"^([a-z][a-z0-9_]*)/[A-Z]")
+COMMON = Path(__file__).with_name("common_interfaces.txt")
+FIELD = re.compile(
+    r"(?P<type>[\w/]+)(?P<array>(?:<=\d+)?\[[^\]]*\])?(?:<=\d+)?\s+(?P<name>[a-z]\w*)\b(?!\s*=)"
+)
+PARTS = {"srv": ("Request", "Response"), "action": ("Goal", "Result", "Feedback")}
 
 
 def buildable() -> tuple[str, ...]:
@@ -35,6 +41,56 @@ def read_interfaces(package: str) -> dict[str, list[str]]:
         elif line and not line.startswith("#"):
             lines = interfaces[line] = []
     return interfaces
+
+
+@cache
+def common_packages() -> tuple[str, ...]:
+    """Name the packages whose interfaces all distributions have alike."""
+    return tuple(re.findall(r"^(\w+):$", COMMON.read_text(encoding="utf-8"), re.MULTILINE))
+
+
+@cache
+def fields_of(package: str) -> dict[str, dict[str, str]] | None:
+    """The fields of each message of a package, by names such as msg/Twist and srv/Trigger.Request.
+
+    A field has its type, such as geometry_msgs/Vector3, or an empty one if that is no message.
+    None of packages whose interfaces are not known.
+    """
+    if package in buildable():
+        written = {
+            name: [
+                "---" if line == "---" else f"{one['name']}={'' if one['array'] else one['type']}"
+                for line in lines
+                if line == "---" or (one := FIELD.match(line))
+            ]
+            for name, lines in read_interfaces(package).items()
+        }
+    else:
+        block = re.search(
+            rf"^{package}:\n((?:.+\n)+)", COMMON.read_text(encoding="utf-8"), re.MULTILINE
+        )
+        if block is None:
+            return None
+        written = {name: fields for name, *fields in map(str.split, block[1].splitlines())}
+    found: dict[str, dict[str, str]] = {}
+    for name, fields in written.items():
+        kind = name.partition("/")[0]
+        whole = " ".join(fields).split("---")
+        if kind in PARTS:
+            found[name] = {}
+        for part, text in zip(PARTS.get(kind, ("",)), whole, strict=False):
+            found[f"{name}.{part}" if part else name] = {
+                field: _whole_type(type_, package)
+                for field, _, type_ in (one.partition("=") for one in text.split())
+            }
+    return found
+
+
+def _whole_type(type_: str, package: str) -> str:
+    """The type of a field, with its package; empty where it is no message."""
+    if not type_.rpartition("/")[2][:1].isupper():
+        return ""
+    return type_ if "/" in type_ else f"{package}/{type_}"
 
 
 def dependencies(package: str) -> set[str]:

@@ -84,6 +84,7 @@ MODULES = (
     "wsgen.rules.mesh_addresses",
     "wsgen.rules.named_worlds",
     "wsgen.rules.package_uses",
+    "wsgen.rules.python_nodes",
     "wsgen.rules.plugins",
     "wsgen.rules.robot_files",
     "wsgen.rules.resource_paths",

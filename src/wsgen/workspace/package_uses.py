@@ -16,6 +16,9 @@ from wsgen.files import irregular_kind, real_path
 from wsgen.launch.imported_packages import (
     MESSAGES,
     certain_nodes,
+    imported_modules,
+    is_beside,
+    misspelled_module,
     name_of,
     packages_of_imports,
     packages_of_launch_file,
@@ -144,6 +147,10 @@ def _uses_of_python(
     read = packages_of_launch_file if is_launch else packages_of_imports
     for package, line in read(file, reader.nodes, workspace):
         yield PackageUse(package, file, line, LAUNCH if is_launch else NODE)
+    for module, line in () if is_launch else imported_modules(reader.nodes):
+        meant = misspelled_module(module, workspace)
+        if meant is not None and not is_beside(module, file):
+            yield PackageUse(meant, file, line, NODE)
 
 
 def _is_in(file: Path, places: Collection[str]) -> bool:
