@@ -139,6 +139,9 @@ def differences(robot: Robot, model: ET.Element) -> Iterator[str]:
     joints = {joint.name: joint for joint in robot.joints}
     others = {joint.get("name") or "": joint for joint in model.findall("joint")}
     yield from (f"joint: {name}" for name in joints.keys() ^ others.keys())
+    ours = [joint.name for joint in robot.joints_in_gazebo if joint.name in others]
+    if ours != [name for name in others if name in joints]:
+        yield "order of joints: the robot"
     for name in joints.keys() & others.keys():
         yield from (f"{what}: {name}" for what in _of_joint(joints[name], others[name]))
     if robot.is_static != _is_true(model, "static"):

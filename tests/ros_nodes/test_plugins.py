@@ -303,6 +303,16 @@ def test_joint_states_of_gazebo_sim() -> None:
     assert message.position == pytest.approx([0.9, 1.1])
 
 
+def test_joint_states_of_gazebo_sim_are_in_the_order_of_its_joints() -> None:
+    names = "<joint_name>right</joint_name><joint_name>left</joint_name>"
+    states = plugin("gz-sim-joint-state-publisher-system", names)
+    simulation, ros = spawned(states, simulator="gz", engine=rover_engine(positions=turning))
+    topic = "/world/w/model/rover/joint_state"
+    bridged(ros, simulation, ("/js", topic, "sensor_msgs/msg/JointState", "Model"))
+    simulation.advance(0.25)
+    assert ros.published("/js")[-1].name == ["left", "right"]
+
+
 def test_planar_move() -> None:
     engine = rover_engine(still_at(yaw=math.pi / 2))
     engine.velocity = ((0.0, 0.4, 0.0), (0.0, 0.0, 0.0))

@@ -307,6 +307,8 @@ class Robot:
     loose: tuple[Joint, ...] = ()  # of a lumped robot: parent and child are links of two trees
     fixed_to_world: bool = False  # the root is a link named `world`
     is_static: bool = False  # <gazebo><static>: nothing of it moves
+    # The names of the joints of a lumped robot as Gazebo numbers them; (): as they are in `joints`.
+    gazebo_order: tuple[str, ...] = ()
 
     @property
     def mass(self) -> float:
@@ -317,6 +319,12 @@ class Robot:
     def movable_joints(self) -> tuple[Joint, ...]:
         """The joints with a degree of freedom, in the order of the description."""
         return tuple(joint for joint in self.joints if joint.is_movable)
+
+    @property
+    def joints_in_gazebo(self) -> tuple[Joint, ...]:
+        """The joints as Gazebo numbers them."""
+        places = {name: place for place, name in enumerate(self.gazebo_order)}
+        return tuple(sorted(self.joints, key=lambda joint: places.get(joint.name, len(places))))
 
     def link(self, name: str) -> Link:
         """The link of that name; KeyError where there is none."""

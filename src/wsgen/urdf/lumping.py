@@ -296,6 +296,7 @@ def _assembled(
             for tag in robot.gazebo
         ),
         is_static=is_static(robot.gazebo),
+        gazebo_order=tuple(joints[name].name for name in bodies if name in joints),
     )
 
 
@@ -415,7 +416,7 @@ class Body:
 
 
 def _bodies_of(robot: Robot) -> dict[str, Body]:
-    """The bodies by the names of their first links, parents before children.
+    """The bodies by the names of their first links, in sdformat's order: parents before children.
 
     No recursion, and nothing is moved twice: a chain may have 10,000 links.
     """
@@ -424,20 +425,21 @@ def _bodies_of(robot: Robot) -> dict[str, Body]:
         below.setdefault(joint.parent, []).append(joint)
     kept = _kept_joints(robot)
     links = {link.name: link for link in robot.links}
-    bodies = {robot.root: Body([(links[robot.root], IDENTITY)])}
-    stack = [(robot.root, bodies[robot.root], IDENTITY)]
+    bodies: dict[str, Body] = {}
+    stack = [(robot.root, Body([(links[robot.root], IDENTITY)]), IDENTITY)]
     while stack:
         name, body, pose = stack.pop()
         if name != body.link.name:
             body.parts.append((links[name], pose))
+        else:
+            bodies[name] = body
         for joint in reversed(below.get(name, ())):
             place = compose(pose, joint.pose_in_parent)
             if joint.type is JointType.FIXED and joint.name not in kept:
                 stack.append((joint.child, body, place))
                 continue
-            bodies[joint.child] = Body([(links[joint.child], IDENTITY)])
             body.joints.append(replace(joint, parent=body.link.name, pose_in_parent=place))
-            stack.append((joint.child, bodies[joint.child], IDENTITY))
+            stack.append((joint.child, Body([(links[joint.child], IDENTITY)]), IDENTITY))
     _add_up_masses(robot, below, kept, bodies)
     return bodies
 

@@ -15,7 +15,10 @@ from wsgen.ros_nodes.simulator.elements import number
 from wsgen.ros_nodes.simulator.host import CannotWorkError, Plugin
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
     from wsgen.model.devices import Element
+    from wsgen.model.robot import Joint, Robot
     from wsgen.ros_nodes.simulator.host import Host, RobotHandle
     from wsgen.ros_nodes.simulator.topics import Publisher
 
@@ -30,16 +33,23 @@ class _JointStates(Plugin):
     ) -> None:
         self._host, self._robot = host, robot
         self._with_efforts = with_efforts
-        movable = [joint.name for joint in robot.robot.movable_joints]
+        there = [joint.name for joint in self._joints(robot.robot)]
         named = [found.text for found in element.find_all("joint_name")]
         for name in named:
-            if name not in movable:
+            if name not in there:
                 host.warn(
                     f"`{robot.entity}`: the joint state publisher names the joint `{name}`, which "
                     "the robot does not have or which is fixed."
                 )
-        names = [name for name in named if name in movable] if named else movable
-        self._message = JointState(name=names)
+        self._message = JointState(name=self._chosen(named, there))
+
+    def _joints(self, robot: Robot) -> Iterable[Joint]:
+        """Those that it can publish."""
+        return robot.movable_joints
+
+    def _chosen(self, named: Sequence[str], there: Sequence[str]) -> list[str]:
+        """Those that it publishes, in the order of its messages."""
+        return [name for name in named if name in there]
 
     def update(self) -> None:
         """Publish them."""
@@ -48,11 +58,11 @@ class _JointStates(Plugin):
         message, names = self._message, self._message.name
         message.header.stamp = self._host.stamp()
         positions, velocities = self._robot.joint_positions(), self._robot.joint_velocities()
-        message.position = [positions[name] for name in names]
-        message.velocity = [velocities[name] for name in names]
+        message.position = [positions.get(name, 0.0) for name in names]
+        message.velocity = [velocities.get(name, 0.0) for name in names]
         if self._with_efforts:
             efforts = self._robot.joint_efforts()
-            message.effort = [efforts[name] for name in names]
+            message.effort = [efforts.get(name, 0.0) for name in names]
         self._publisher.publish(message)
 
 
@@ -76,7 +86,7 @@ class ClassicJointStates(_JointStates):
 
 
 class GzJointStates(_JointStates):
-    """`gz-sim-joint-state-publisher-system`."""
+    """`gz-sim-joint-state-publisher-system`: has a set of joints, and fixed ones in it."""
 
     def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
         super().__init__(host, robot, element, with_efforts=True)
@@ -88,6 +98,12 @@ class GzJointStates(_JointStates):
         self._publisher = host.publisher(
             robot, JointState, topic or f"/world/{host.world}/model/{robot.entity}/joint_state"
         )
+
+    def _joints(self, robot: Robot) -> Iterable[Joint]:
+        return robot.joints_in_gazebo
+
+    def _chosen(self, named: Sequence[str], there: Sequence[str]) -> list[str]:
+        return [name for name in there if name in named or not named]
 
 
 GZ_PERIOD = 0.01  # s, simulated

@@ -1,6 +1,7 @@
 """`/joint_states` and `/dynamic_joint_states`.
 
-Source: ros-controls/ros2_controllers, joint_state_broadcaster/src/joint_state_broadcaster.cpp.
+Source: ros-controls/ros2_controllers, joint_state_broadcaster/src/joint_state_broadcaster.cpp, of
+its branches humble, iron, jazzy and kilted.
 """
 
 from __future__ import annotations
@@ -12,12 +13,18 @@ from sensor_msgs.msg import JointState
 
 from wsgen.ros_nodes.simulator.ros2_control.controllers.base import Controller, ControllerError
 from wsgen.ros_nodes.simulator.ros2_control.hardware import OF_JOINTS
+from wsgen.ros_nodes.simulator.ros2_control.unordered import unordered
 
 UNKNOWN = math.nan
 
 
 class JointStateBroadcaster(Controller):
-    """Publishes the states of joints, in the order of the alphabet, at each update."""
+    """Publishes the states of joints at each update.
+
+    They are in the order of the alphabet where those of the URDF are published, in that of the
+    interfaces otherwise; in Humble and Iron, and in `/dynamic_joint_states`, in that of the map in
+    which the real one has them: with a few joints mostly that of the interfaces.
+    """
 
     states = None
 
@@ -64,12 +71,19 @@ class JointStateBroadcaster(Controller):
         for name in names:
             part, _, kind = name.rpartition("/")
             self._of_part.setdefault(part, {})[self._kind_of.get(kind, kind)] = name
-        joints = [
-            part for part, kinds in self._of_part.items() if any(one in kinds for one in OF_JOINTS)
-        ]
-        if self._filters:
-            joints = sorted(joint for joint in joints if joint in self.joints)
         extra = [name for name in self._extra if name not in self._of_part]
+        parts = dict.fromkeys(name.rpartition("/")[0] for name in reversed(names))
+        in_map = unordered(dict.fromkeys((*parts, *extra)))
+        joints = [
+            part
+            for part in (in_map if self.is_former else self._of_part)
+            if any(one in self._of_part.get(part, ()) for one in OF_JOINTS)
+        ]
+        if self._filters and not self.is_former:
+            joints = sorted(joint for joint in joints if joint in self.joints)
+        self._in_map = [  # with the interfaces of each, none of those that only the parameters name
+            (part, unordered(reversed(self._of_part.get(part, OF_JOINTS[::-1])))) for part in in_map
+        ]
         self._message.name = [*joints, *extra]
         zeros = [0.0] * len(extra)
         self._columns = [
@@ -97,14 +111,10 @@ class JointStateBroadcaster(Controller):
         message = DynamicJointState()
         message.header.stamp = self.ros.time(now)
         message.header.frame_id = self._message.header.frame_id
-        for part in sorted(self._of_part):
-            kinds = sorted(self._of_part[part])
+        for part, kinds in self._in_map:
+            names = self._of_part.get(part, {})
+            values = [states[names[kind]] if kind in names else 0.0 for kind in kinds]
             message.joint_names.append(part)
-            message.interface_values.append(
-                InterfaceValue(
-                    interface_names=kinds,
-                    values=[states[self._of_part[part][kind]] for kind in kinds],
-                )
-            )
+            message.interface_values.append(InterfaceValue(interface_names=kinds, values=values))
         assert self._dynamic is not None  # noqa: S101  it was asked
         self._dynamic.publish(message)
