@@ -327,6 +327,65 @@ def test_more_links_than_pybullet_can_do_go_to_another_engine(
         assert " and ".join(names[engine] for engine in taken) in one.message
 
 
+EXPLODES = {"energy_gain": 1e14}
+NOWHERE = {"is_finite": False}
+
+
+@pytest.mark.parametrize(
+    ("asked", "unstable", "installed", "simulated_in", "passes"),
+    [
+        # Another engine is stable: the result is its.
+        (["bullet"], {"bullet": EXPLODES}, ALL, ["bullet", "dart"], True),
+        (["bullet"], {"bullet": NOWHERE}, ["bullet", "mujoco"], ["bullet", "mujoco"], True),
+        (["mujoco"], {"mujoco": EXPLODES}, ALL, ["mujoco", "dart"], True),
+        (ALL, {"bullet": EXPLODES, "mujoco": NOWHERE}, ALL, [*ALL, "dart"], True),
+        # It is unstable, too, or there is none.
+        (["bullet"], {"bullet": EXPLODES, "dart": NOWHERE}, ALL, ["bullet", "dart"], False),
+        (["bullet"], {"bullet": EXPLODES}, ["bullet"], ["bullet"], False),
+        # What Gazebo Sim's engine says counts.
+        (["dart"], {"dart": EXPLODES}, ALL, ["dart"], False),
+        (ALL, {"dart": EXPLODES}, ALL, ALL, False),
+    ],
+)
+def test_what_one_engine_cannot_simulate_stably_another_one_does(
+    monkeypatch: pytest.MonkeyPatch,
+    *,
+    asked: Sequence[str],
+    unstable: Mapping[str, Mapping[str, Any]],
+    installed: Sequence[str],
+    simulated_in: Sequence[str],
+    passes: bool,
+) -> None:
+    monkeypatch.setattr(robot_runs, "installed_engines", lambda: list(installed))
+    engines = Engines(unstable)
+    outcome = simulated(engines, "a", names=asked)
+    assert [scene.engine for scene in engines.scenes] == list(simulated_in)
+    (robot,) = outcome.robots
+    assert robot.passed is passes
+    codes = [one.code for one in outcome.diagnostics]
+    if passes:
+        assert codes == ["SPN108"]
+        assert "cannot simulate the robot stably" in outcome.diagnostics[0].message
+        assert [one.engine for one in robot.engines] == [
+            engine for engine in dict.fromkeys(simulated_in) if engine not in unstable
+        ]
+    else:
+        assert {"SPN052", "SPN061"} & set(codes)
+        assert ("SPN108" in codes) is ("dart" not in asked)
+
+
+def test_an_unstable_robot_whose_second_engine_dies_stays_an_error() -> None:
+    class DartDies(Engines):
+        def __call__(self, task: str, *arguments: Any, **more: Any) -> Answered | Died:
+            if "dart" in task:
+                return Died(reason="took longer than 1 s", step="simulating 3 s", output="")
+            return super().__call__(task, *arguments, **more)
+
+    outcome = simulated(DartDies({"bullet": EXPLODES}), "a")
+    assert [one.code for one in outcome.diagnostics] == ["SPN061"]
+    assert not outcome.robots[0].passed
+
+
 def test_engines_that_agree_are_not_reported() -> None:
     engines = Engines()
     outcome = simulated(engines, "a", names=ALL)
@@ -347,7 +406,7 @@ def test_an_engine_that_dies_is_no_pass() -> None:
     assert [one.passed for one in robot.engines] == [True, True, False]
     (found,) = outcome.diagnostics
     assert found.code == "SPN031"
-    assert found.message.startswith("In DART: The physics engine took longer")
+    assert found.message.startswith("In DART: The physics engine (DART) took longer")
 
 
 def test_behaviors_are_given_to_their_robots_and_judged() -> None:

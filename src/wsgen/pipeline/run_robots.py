@@ -23,9 +23,11 @@ from wsgen.pipeline.simulation_result import SimulationResult
 from wsgen.rules.check_run import check_run
 from wsgen.rules.consequences import fold_consequences, joints_beyond_limits
 from wsgen.rules.runs import (
+    GAINS_ENERGY,
     KEEPS_MOVING,
     OVERLAPPING_ROBOTS,
     SPAWNED_IN_GROUND,
+    STATE_NOT_FINITE,
     STUCK_IN_GROUND,
     TIPS_OVER,
     UNACTUATED_JOINTS_MOVE,
@@ -54,6 +56,8 @@ MOVES = {
     for rule in (KEEPS_MOVING, TIPS_OVER, STUCK_IN_GROUND, SPAWNED_IN_GROUND, OVERLAPPING_ROBOTS)
 }
 
+GAZEBO_SIM_ENGINE = "dart"  # what is unstable in it is so in Gazebo Sim
+
 
 class _EngineResult(NamedTuple):
     """What is known of a simulation in one engine."""
@@ -75,18 +79,69 @@ def simulate_robots(  # noqa: PLR0913  what is simulated, and how
     behavior_plan: BehaviorPlan | None = None,
     progress: Path | None = None,
     pushes: tuple[Push, ...] = (),
+    keep_engines: bool = False,
 ) -> SimulationResult:
     """Simulate the robots that can be simulated, and check all; `name` is the picture's.
 
     `behavior_plan` is what they must do beyond standing; the child process writes the progress of a
-    video to the file `progress`. `pushes` act on robots while they stand.
+    video to the file `progress`. `pushes` act on robots while they stand. An engine that is
+    unstable with a robot is replaced by one that is not, unless `keep_engines`.
     """
+    simulate = partial(
+        _simulate,
+        world,
+        prepared,
+        name=name,
+        run=run,
+        behavior_plan=behavior_plan,
+        progress=progress,
+        pushes=pushes,
+    )
+    simulated, results = simulate(request)
+    unstable = {one.engine: gains for one in results if (gains := _unstable_robots(one))}
+    # What has run live for the behaviors was measured in the engines of the request alone.
+    is_live = behavior_plan is not None and bool(behavior_plan.live)
+    if keep_engines or is_live or not unstable or GAZEBO_SIM_ENGINE in unstable:
+        return simulated
+    engines = tuple(one.engine for one in results)
+    others = tuple(engine for engine in engines if engine not in unstable)
+    others = others or tuple(
+        engine for engine in reversed(installed_engines()) if engine not in engines
+    )
+    # One is enough, if no comparison is asked for.
+    others = others if engines[1:] else others[:1]
+    found = _report_unstable(unstable, others)
+    if not others:
+        return replace(simulated, diagnostics=(*simulated.diagnostics, *found))
+    again, results = simulate(replace(request, engines=others))
+    runnable = {robot.entity for robot in prepared if robot.can_run}
+    for one in results:
+        if _unstable_robots(one):
+            found = _report_unstable(unstable, others, is_stable=False)
+            return replace(simulated, diagnostics=(*simulated.diagnostics, *found))
+        if runnable - one.runs.keys():
+            return simulated  # it ended before anything was known
+    return replace(again, diagnostics=(*again.diagnostics, *found))
+
+
+def _simulate(  # noqa: PLR0913  as above
+    world: World,
+    prepared: Sequence[PreparedRobot],
+    request: ValidateRequest,
+    *,
+    name: str,
+    run: Run,
+    behavior_plan: BehaviorPlan | None,
+    progress: Path | None,
+    pushes: tuple[Push, ...],
+) -> tuple[SimulationResult, Sequence[_EngineResult]]:
+    """Simulate the robots in the engines of the request, and check all."""
     runnable = [robot for robot in prepared if robot.can_run]
     robots = [robot for robot in prepared if not robot.is_static_model]
     not_run = () if behavior_plan is None else behavior_plan.diagnostics
     if all(robot.is_static_model for robot in runnable):
         nothing = tuple(_outcome(robot, (), behavior_plan, ()) for robot in robots)
-        return SimulationResult(robots=nothing, diagnostics=not_run)
+        return SimulationResult(robots=nothing, diagnostics=not_run), ()
     changes = tuple(_beyond_bullet(runnable, request.engines))
     if changes:
         request = replace(request, engines=engines_for(runnable, request.engines))
@@ -107,7 +162,7 @@ def simulate_robots(  # noqa: PLR0913  what is simulated, and how
     found += _compare(runnable, results)
     causes, found = _fold(runnable, found)
     first = outcomes[0]
-    return SimulationResult(
+    simulated = SimulationResult(
         robots=tuple(_outcome(robot, results, behavior_plan, found) for robot in robots),
         diagnostics=tuple(found),
         causes=causes,
@@ -118,6 +173,7 @@ def simulate_robots(  # noqa: PLR0913  what is simulated, and how
         view=first.view,
         seconds=first.seconds,
     )
+    return simulated, results
 
 
 ENGINE_CHANGED = Rule(
@@ -130,6 +186,60 @@ ENGINE_CHANGED = Rule(
     example="wsgen validate my_robot",
     instead="wsgen validate my_robot --engine mujoco",
 )
+
+
+ENGINE_UNSTABLE = Rule(
+    code="SPN108",
+    name="engine-unstable",
+    severity=Severity.INFO,
+    summary="A physics engine is unstable with the robot; another one is tried.",
+    what="Where the pose of a robot becomes infinite, or its energy grows though nothing drives "
+    "it, simulates it in DART, the engine of Gazebo Sim, too, or in MuJoCo where DART is not "
+    "installed. If the robot is stable there, that is the result.",
+    why="Engines differ in what they simulate stably: links with tiny inertias and fast joints "
+    "explode in one and fall in another. What one engine cannot do is no mistake in the robot.",
+    example="wsgen validate robot.urdf",
+    instead="pip install 'wsgen[dart]'\nwsgen validate robot.urdf --engine dart",
+)
+
+
+def _unstable_robots(result: _EngineResult) -> dict[str, str]:
+    """The robots with which an engine is unstable, and how that shows."""
+    codes = {(one.code, one.element) for one in result.diagnostics if has_errors((one,))}
+    shown: dict[str, str] = {}
+    for entity, robot_run in result.runs.items():
+        if (STATE_NOT_FINITE.code, entity) in codes:
+            shown[entity] = "its pose becomes infinite or not-a-number"
+        elif (GAINS_ENERGY.code, entity) in codes:
+            shown[entity] = f"it gains {robot_run.energy_gain:.3g} J though nothing drives it"
+    return shown
+
+
+def _report_unstable(
+    unstable: Mapping[str, Mapping[str, str]], others: Sequence[str], *, is_stable: bool = True
+) -> list[Diagnostic]:
+    """Report in which engines robots are unstable, and what is known of the other engines."""
+    tried = name_engines(unstable)
+    found = []
+    for entity, shown in next(iter(unstable.values())).items():
+        if not others:
+            message = f"Only {tried} simulated the robot: it may be the engine that is unstable."
+            hint = (
+                "Install DART, the engine of Gazebo Sim, which wsgen then tries, too: "
+                "pip install 'wsgen[dart]'"
+            )
+        elif is_stable:
+            other = name_engines(others)
+            message = f"{tried} cannot simulate the robot stably: {shown}. The result is {other}'s."
+            hint = (
+                f"Add --engine {others[0]} to choose {ENGINE_NAMES[others[0]]} yourself. Inertias "
+                "that are too small for their masses are the usual cause."
+            )
+        else:
+            message = f"{name_engines(others)} is unstable with the robot, too."
+            hint = "The cause is in the robot: see what is reported about it."
+        found.append(ENGINE_UNSTABLE.at(None, element=entity, message=message, hint=hint))
+    return found
 
 
 def _engines_without_bullet(engines: Sequence[str]) -> tuple[str, ...]:

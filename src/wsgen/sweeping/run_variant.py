@@ -110,6 +110,7 @@ def _run(blueprint: Blueprint, variant: Variant, seconds: float, engine: str, ru
         run=run_and_keep,
         behavior_plan=varied.behavior_plan,
         pushes=pushes_of(varied, seconds),
+        keep_engines=True,
     )
     return _row(varied, variant, simulated, measured)
 

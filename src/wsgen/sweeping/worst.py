@@ -268,6 +268,7 @@ def _fill(request: SweepRequest, subject: Subject, variant: Variant, folder: Pat
             run=parent.run,
             behavior_plan=varied.behavior_plan,
             pushes=pushes_of(varied, request.seconds),
+            keep_engines=True,
         )
         found = simulated.diagnostics_after(varied.diagnostics)
     reported = without_allowed(found, varied.allow)
