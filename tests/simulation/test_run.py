@@ -158,8 +158,17 @@ def test_a_mesh_that_is_nothing_is_warned_about(tmp_path: Path) -> None:
 
 def test_out_of_time() -> None:
     outcome = run_simulation(scene(robot()), limits=Limits(seconds=0.01, wall_clock=600))
-    assert "used more than 0.01 s of CPU time" in outcome.diagnostics[0].message
-    assert "engine cannot handle" in (outcome.diagnostics[0].hint or "")
+    assert "(PyBullet) used more than 0.01 s of CPU time" in outcome.diagnostics[0].message
+
+
+def test_a_slow_simulation_names_engine_robot_and_step() -> None:
+    slow = Died(reason="used more than 1 s of CPU time", step="simulating 3 s", output="")
+    found = run.explain_death(scene(robot()), replace(slow, cause="cpu time"))
+    assert found.element == "e"
+    assert "(PyBullet) used more than 1 s of CPU time while simulating 3 s." in found.message
+    assert "fewer triangles" in (found.hint or "")
+    found = run.explain_death(scene(robot()), replace(slow, cause="cpu time", step="loading"))
+    assert "engine cannot handle" in (found.hint or "")
 
 
 def test_a_busy_machine_is_not_the_robots_fault() -> None:

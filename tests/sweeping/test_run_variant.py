@@ -142,7 +142,8 @@ def test_what_ends_the_engine_is_reported_as_by_validate() -> None:
     row = row_of_death(blueprint(), variant(3), 1.0, "bullet", death)
     assert (row.number, row.passed, row.codes, dict(row.figures)) == (3, False, ("SPN031",), {})
     assert row.diagnostic == (
-        "SPN031 engine-died: The physics engine crashed (SIGSEGV) while loading the robot `plate`."
+        "SPN031 engine-died: The physics engine (PyBullet) crashed (SIGSEGV) while loading the "
+        "robot `plate`."
     )
 
 

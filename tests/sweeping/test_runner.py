@@ -94,7 +94,7 @@ def test_what_ends_its_processes_is_a_row_that_says_so() -> None:
     found = {row.number: row for row in rows(executor, blueprint(), 5)}
     assert found[0].passed
     assert {row.diagnostic for number, row in found.items() if number} == {
-        "SPN031 engine-died: The physics engine crashed (SIGSEGV) while simulating 1 s."
+        "SPN031 engine-died: The physics engine (PyBullet) crashed (SIGSEGV) while simulating 1 s."
     }
 
 

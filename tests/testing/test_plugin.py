@@ -105,7 +105,7 @@ def test_failures_say_why_and_show_it(
         "E       AssertionError: The robot `rover`: after 2 s the robot is at x = 0.9",
         "E       AssertionError: The robot `rover`: after 0.1 s left_wheel_joint is at",
         "E       wsgen.errors.RequestError: The robot has no joint `wheel` that can move.",
-        "SessionDiedError: The physics engine crashed (SIGKILL) while simulating 0.5 s after 0.1 s",
+        "SessionDiedError: The physics engine (PyBullet) crashed (SIGKILL) while simulating 0.5 s",
     ):
         assert words in said, f"{words!r} is not in\n{said}"
     # No line of wsgen's own code, but for the test's.

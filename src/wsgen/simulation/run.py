@@ -212,14 +212,21 @@ def explain_death(scene: Scene, death: Died) -> Diagnostic:
         return not_loaded
     words = _without_greetings(death.output)[-LAST_OUTPUT:]
     said = f" Its last output: {words}" if words else ""
+    hint = (
+        "The engine cannot handle something in the description: look at collision meshes, "
+        "sizes and masses first, and remove links until it runs."
+    )
+    if death.cause == "cpu time" and death.step.startswith("simulating"):
+        hint = (
+            "Contacts take most of the time: use boxes or meshes with fewer triangles for "
+            "collisions, spawn the robot above the ground, or try another engine (--engine)."
+        )
     return ENGINE_DIED.at(
         None,
         element=_entities(scene),
-        message=f"The physics engine {death.reason} while {death.step or 'it was starting'}.{said}",
-        hint=death.hint(
-            "The engine cannot handle something in the description: look at collision meshes, "
-            "sizes and masses first, and remove links until it runs."
-        ),
+        message=f"The physics engine ({ENGINE_NAMES[scene.engine]}) {death.reason} while "
+        f"{death.step or 'it was starting'}.{said}",
+        hint=death.hint(hint),
     )
 
 
