@@ -1,4 +1,4 @@
-"""The simulator knows which of its topics another process publishes."""
+"""The simulator knows which of its topics another process publishes, and another /clock."""
 
 from __future__ import annotations
 
@@ -41,6 +41,19 @@ while not ros.of_others and time.monotonic() < end:
 other.communicate(b"end\\n")
 ros.note_publishers()
 print(sorted(ros.of_others), ros.has_heard)
+clock = ros.node("bridge", "clock"), ros.node("bridge", "other")
+for node in clock:
+    ros.publisher(node, String, "/clock", 1)
+print(ros.has_other_clock(), flush=True)
+another = subprocess.Popen(
+    [sys.executable, "-c", OTHER.replace("/driven", "/clock").replace("driver", "bridge")],
+    stdin=subprocess.PIPE,
+)
+end = time.monotonic() + 120
+while not ros.has_other_clock() and time.monotonic() < end:
+    ros.wait(0.01)
+print(ros.has_other_clock(), flush=True)
+another.communicate(b"end\\n")
 ros.close()
 """
 
@@ -54,4 +67,4 @@ def test_topics_that_other_processes_publish() -> None:
         text=True,
         check=True,
     )
-    assert done.stdout.splitlines() == ["[]", "['/driven'] False"]
+    assert done.stdout.splitlines() == ["[]", "['/driven'] False", "False", "True"]

@@ -44,6 +44,7 @@ TELL_OF_WAITING = (
 SLICE = 0.01  # s, simulated, between two looks at what has arrived
 AWAITED = 30.0  # s, of the wall clock, that the time of robots to come is not faster than that
 LOOK_EVERY = 2.0  # s, of the wall clock, between two looks at the types of topics
+DOMAINS = 102  # whose ports Linux gives to nobody else
 IDLE = 0.02  # s, that a paused simulator waits for what arrives
 NEXT_STEP = 0.002  # s, that one waits for who tells it to go on, before it looks at messages
 TRACEBACK = "WSGEN_TRACEBACK"  # a variable; set, bugs have tracebacks
@@ -180,8 +181,19 @@ class Arrival:
         self._pace.begin(self._simulation.now)
 
 
+def two_simulators() -> str:
+    """What to say where another process publishes /clock, too."""
+    domain = os.environ.get("ROS_DOMAIN_ID", "")
+    number = int(domain) if domain.isdecimal() else 0
+    return (
+        f"Another process publishes /clock in ROS_DOMAIN_ID {number}, too: nodes get the time and "
+        "the messages of two simulators. End the other one, or start one of them with "
+        f"ROS_DOMAIN_ID={(number + 1) % DOMAINS}."
+    )
+
+
 class TypesOfTopics:
-    """Names messages that do not arrive because another type is read."""
+    """Names messages that do not arrive because another type is read, and other simulators."""
 
     def __init__(self, simulation: LiveSimulation, ros: Ros) -> None:
         self._simulation, self._ros = simulation, ros
@@ -193,6 +205,8 @@ class TypesOfTopics:
             self._next = time.monotonic() + LOOK_EVERY
             for problem in self._ros.mixed_types():
                 self._simulation.host.warn(problem)
+            if self._ros.has_other_clock():
+                self._simulation.host.warn(two_simulators())
             if not self._ros.has_heard:  # who publishes may be gone at the end
                 self._ros.note_publishers()
 

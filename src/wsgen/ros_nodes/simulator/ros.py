@@ -25,6 +25,7 @@ from wsgen.ros_nodes.simulator.topics import Endpoint, mixed_types
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
+CLOCK = "/clock"
 EXECUTOR_EVERY = 0.02  # s of wall-clock time, between two calls of the executor while busy
 MOST_AT_ONCE = 100  # messages of one topic that one look takes
 
@@ -239,6 +240,12 @@ class Ros:
                 senders = node.get_publishers_info_by_topic(topic)
                 readers = node.get_subscriptions_info_by_topic(topic)
                 yield from mixed_types(topic, map(_endpoint, senders), map(_endpoint, readers))
+
+    def has_other_clock(self) -> bool:
+        """Whether another process publishes /clock beside this one."""
+        # Those of another simulator have the same names.
+        own = [one for node in self._nodes for one in node.publishers if one.topic_name == CLOCK]
+        return bool(own) and self._nodes[0].count_publishers(CLOCK) > len(own)
 
     def note_publishers(self) -> None:
         """Look which of the topics that are read another process publishes."""
