@@ -11,7 +11,7 @@ import click
 import pytest
 
 from wsgen.cli import terminal
-from wsgen.cli.terminal import Branch, draw_markdown, draw_table, draw_tree
+from wsgen.cli.terminal import Branch, draw_markdown, draw_table, draw_tree, fit_lines
 
 LONG = "word " * 60 + "end"
 TREE = Branch("top", (Branch("a\n    more", (Branch("[red]b[/red] :smile:"),)), Branch("c")))
@@ -46,9 +46,50 @@ def test_a_terminal_gets_lines_that_fit(columns: int) -> None:
 @pytest.mark.parametrize("columns", [10], indirect=True)
 def test_a_narrow_terminal_cuts_nothing_off(columns: int) -> None:
     lines = draw_table([("a_name_of_20_letters", "b" * 40)], headings=("name", "text"))
-    text = "".join(lines)
+    text = "".join(click.unstyle("".join(lines)).split())
     assert "a_name_of_20_letters" in text
     assert text.count("b") == 40
+
+
+@pytest.mark.parametrize("columns", [60], indirect=True)
+def test_what_a_narrow_terminal_would_squeeze_is_below_its_row(columns: int) -> None:
+    names, path = ("a_long_name_of_a_rule", "and_another_name"), "/opt/a/folder/far/below/cmake"
+    assert draw_table([(*names, "A text that has some more words."), ("b", "c", "d")]) == [
+        "  a_long_name_of_a_rule  and_another_name",
+        "      A text that has some more words.",
+        "  b  c",
+        "      d",
+    ]
+    lines = draw_table([("ok", "CMake", "x"), ("no", "a requirement with a long name", path)])
+    assert lines[3] == f"      {path}"  # not broken
+    lines = draw_table([(*names, LONG), (*names, path)], headings=("one", "two", "three"))
+    assert max(len(click.unstyle(line)) for line in lines) <= columns
+    assert [click.unstyle(line) for line in lines[-4:]] == [
+        "",
+        "  one    a_long_name_of_a_rule",
+        "  two    and_another_name",
+        f"  three  {path}",
+    ]
+
+
+@pytest.mark.parametrize("columns", [30], indirect=True)
+def test_lines_continue_below_what_they_say(columns: int) -> None:
+    bold = click.style("speed", bold=True)
+    assert list(fit_lines(["  short", f"  {bold}  no border from 0 to 1: it varies"])) == [
+        "  short",
+        f"  {bold}  no border from",
+        "         0 to 1: it varies",
+    ]
+    long = "/a/path/that/is/longer/than/the/terminal"
+    assert list(fit_lines([f"  world:={long}  World file of it"])) == [
+        f"  world:={long}",
+        "    World file of it",
+    ]
+    assert columns == 30
+
+
+def test_lines_stay_whole_in_a_pipe() -> None:
+    assert list(fit_lines([LONG])) == [LONG]
 
 
 def test_names_are_not_markup() -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wsgen.cli.terminal import Branch, draw_table, draw_tree
+from wsgen.cli.terminal import Branch, draw_table, draw_tree, fit_lines
 from wsgen.cli.words import short_path
 from wsgen.diagnostics import Severity, has_errors
 from wsgen.model.outcome import ENGINE_NAMES
@@ -354,7 +354,7 @@ def _section(title: str, lines: Sequence[str]) -> Iterator[str]:
     if lines:
         yield ""
         yield click.style(title, bold=True)
-        yield from (f"  {line}" for line in lines)
+        yield from fit_lines(f"  {line}" for line in lines)
 
 
 def _diagnostics_of(plan: LaunchPlan) -> Iterator[str]:

@@ -350,10 +350,11 @@ def _engine(given: str | None) -> str:
 
 
 def _print_text(outcome: SweepOutcome, plots: Sequence[Path], *, quiet: bool) -> None:
+    from wsgen.cli.terminal import fit_lines
     from wsgen.cli.words import short_name
     from wsgen.sweeping.summary import render_summary
 
-    for line in render_summary(outcome.summary):
+    for line in fit_lines(render_summary(outcome.summary)):
         click.echo(line)
     if quiet:
         return

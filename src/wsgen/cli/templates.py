@@ -97,13 +97,17 @@ def _diagnose(name: str) -> Sequence[Diagnostic]:
 
 def _describe(template: Template, *, quiet: bool) -> list[str]:
     """The text for one template."""
-    from wsgen.cli.terminal import draw_table
+    from wsgen.cli.terminal import draw_table, fit_lines
 
     rows = [_row(variable) for variable in template.variables.values()]
     return [
         click.style(template.name, bold=True),
-        f"  {template.description}",
-        f"  targets: {', '.join(target.name for target in template.targets)}",
+        *fit_lines(
+            (
+                f"  {template.description}",
+                f"  targets: {', '.join(target.name for target in template.targets)}",
+            )
+        ),
         "",
         *(draw_table(rows, quiet=quiet) or ["  This template has no variables."]),
     ]

@@ -10,20 +10,22 @@ On a terminal, the lines fit its width. In a pipe or a file, no cell is wrapped 
 
 from __future__ import annotations
 
+import re
 import sys
 from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from rich.console import Console, RenderableType
+    from rich.text import Text
     from rich.tree import Tree
 
 
 UNLIMITED = 1_000_000  # columns
-NARROWEST = 12  # columns that a wrapped cell gets, however narrow the terminal
+NARROWEST = 20  # columns that a wrapped cell gets in a table
 INDENT = "  "
 
 
@@ -44,8 +46,9 @@ def draw_table(
 ) -> list[str]:
     """The lines of a table; on a narrow terminal the columns `wrapped` are wrapped.
 
-    A terminal that is too narrow for the other columns breaks lines itself: no cell is cut off.
-    With `quiet`, a line a row without headings and alignment, which takes no library.
+    Where that would leave too little for them, or break a word, what would be in a wrapped column
+    is below the rest of its row; of a table with headings each cell is beside its heading. No cell
+    is cut off. With `quiet`, a line a row without headings and alignment, which takes no library.
     """
     if not rows:
         return []
@@ -66,15 +69,72 @@ def draw_table(
     )
     head = [Text.from_ansi(click.style(heading, bold=True)) for heading in headings]
     body = [[Text.from_ansi(cell) for cell in row] for row in rows]
-    count, needed = len(rows[0]), 0
+    count, needed, available = len(rows[0]), -gap, _width() - len(indent)
+    broken = {index % count for index in wrapped}
     for column in range(count):
-        is_wrapped = column in {index % count for index in wrapped}
-        width = max(row[column].cell_len for row in [*([head] if head else []), *body])
-        needed += gap + (min(width, NARROWEST) if is_wrapped else width)
-        table.add_column(head[column] if head else "", no_wrap=not is_wrapped, overflow="fold")
+        cells = [row[column] for row in [*([head] if head else []), *body]]
+        width = max(cell.cell_len for cell in cells)
+        if column in broken:
+            word = max(len(word) for cell in cells for word in cell.plain.split() or [""])
+            width = min(width, max(word, NARROWEST))
+        needed += gap + width
+        table.add_column(head[column] if head else "", no_wrap=column not in broken)
     for row in body:
         table.add_row(*row)
-    return _lines(table, indent=indent, at_least=needed)
+    if needed > available:
+        return _lines(_stacked(body, head, broken), indent=indent)
+    return _lines(table, indent=indent)
+
+
+def _stacked(rows: list[list[Text]], head: list[Text], wrapped: set[int]) -> RenderableType:
+    """A table for a terminal that is too narrow: what is wrapped has lines of its own."""
+    from rich.console import Group
+    from rich.padding import Padding
+    from rich.table import Table
+    from rich.text import Text
+
+    if not head:
+        return Group(
+            *(
+                line
+                for row in rows
+                for line in (
+                    Text("  ").join(row[one] for one in range(len(row)) if one not in wrapped),
+                    *(Padding(row[one], (0, 0, 0, 4)) for one in sorted(wrapped) if row[one]),
+                )
+            )
+        )
+    table = Table(
+        box=None, show_header=False, show_edge=False, pad_edge=False, padding=(0, 2, 0, 0)
+    )
+    table.add_column(no_wrap=True)
+    table.add_column(overflow="fold")
+    for number, row in enumerate(rows):
+        if number:
+            table.add_row()
+        for heading, cell in zip(head, row, strict=True):
+            table.add_row(heading, cell)
+    return table
+
+
+def fit_lines(lines: Iterable[str]) -> Iterator[str]:
+    """Wrap lines to the terminal; what is wrapped continues below the second column, if any."""
+    width = _width()
+    for line in lines:
+        if len(click.unstyle(line)) <= width:
+            yield line
+            continue
+        plain = click.unstyle(line)
+        start = re.match(r" *\S+ {2,}", plain)
+        near = start is not None and start.end() <= width // 3
+        indent = start.end() if start and near else len(plain) - len(plain.lstrip()) + len(INDENT)
+        shown, *words = re.findall(r" *\S+", line)
+        for word in words:
+            if len(click.unstyle(shown + word)) > width:
+                yield shown
+                shown, word = " " * indent, word.lstrip(" ")  # noqa: PLW2901
+            shown += word
+        yield shown
 
 
 def draw_tree(tree: Branch, *, quiet: bool = False) -> list[str]:
@@ -112,8 +172,8 @@ def draw_markdown(text: str, *, quiet: bool = False) -> list[str]:
     return _lines(Markdown(text), indent="")
 
 
-def _lines(drawing: RenderableType, *, indent: str, at_least: int = 1) -> list[str]:
-    console = _make_console(width=max(_width() - len(indent), at_least))
+def _lines(drawing: RenderableType, *, indent: str) -> list[str]:
+    console = _make_console(width=max(_width() - len(indent), NARROWEST))
     with console.capture() as capture:
         console.print(drawing)
     return [f"{indent}{line.rstrip(' ')}".rstrip() for line in capture.get().splitlines()]
