@@ -9,7 +9,7 @@ import pytest
 
 from rules.robot_runs import STANDS
 from wsgen.diagnostics import Severity
-from wsgen.model.robot import Inertial, Joint, JointLimit, JointType, Link, Robot
+from wsgen.model.robot import GazeboTag, Inertial, Joint, JointLimit, JointType, Link, Plugin, Robot
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
 from wsgen.rules.check import check_robot
@@ -47,6 +47,29 @@ def test_what_its_limits_push_is_not_reported_as_moved_by_gravity() -> None:
     near = with_joint(JointType.REVOLUTE, JointLimit(lower=0.2, upper=2.0))
     found = check_run(near, WORLD, GAVE_WAY, pushed={"arm"})
     assert [one.code for one in found] == ["SPN060"]
+
+
+SINKS = replace(STANDS, lowest_point=5.0, lowest_point_at_end=-44.0, settled_after=None, speed=29.0)
+IN_WATER = replace(WORLD, plugins=("gz-sim-buoyancy-system",))
+
+
+def floating(filename: str) -> Robot:
+    return replace(ROBOT, gazebo=(GazeboTag(reference=None, plugins=(Plugin(filename, None),)),))
+
+
+def test_what_water_carries_does_not_fall() -> None:
+    assert codes(SINKS) == ["SPN054", "SPN056"]
+    (found,) = check_run(ROBOT, IN_WATER, SINKS)
+    assert (found.code, found.severity) == ("SPN109", Severity.INFO)
+    assert "`gz-sim-buoyancy-system`" in found.message
+    for plugin in ("libBuoyancyPlugin.so", "libuuv_underwater_object_ros_plugin.so"):
+        assert codes(SINKS, robot=floating(plugin)) == ["SPN109"]
+        # Of another model of the world.
+        assert codes(SINKS, world=replace(WORLD, plugins=(plugin,))) == ["SPN054", "SPN056"]
+    # Motors alone hold nothing without a command; and who stands, stands.
+    assert codes(SINKS, robot=floating("gz-sim-thruster-system")) == ["SPN054", "SPN056"]
+    assert codes(STANDS, world=IN_WATER) == []
+    assert codes(replace(SINKS, mass=2.0), world=IN_WATER) == ["SPN050", "SPN109"]
 
 
 def test_a_robot_that_stands() -> None:

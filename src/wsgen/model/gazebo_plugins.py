@@ -6,7 +6,13 @@ Names and parameters are those that the sources of gazebo_plugins and of gz-sim'
 
 from __future__ import annotations
 
-from wsgen.values import NamedTuple
+from typing import TYPE_CHECKING
+
+from wsgen.values import NamedTuple, lazy_pattern
+
+if TYPE_CHECKING:
+    from wsgen.model.robot import Robot
+    from wsgen.model.world import World
 
 CLASSIC, SIM = "classic", "gz"
 SIMULATOR_NAMES = {CLASSIC: "Gazebo Classic", SIM: "Gazebo Sim"}
@@ -134,6 +140,29 @@ def stem(filename: str) -> str:
         if name.startswith(prefix) and name.endswith("-system"):
             return name[len(prefix) : -len("-system")]
     return name
+
+
+# Libraries that carry a model in water or air: those of gz-sim, Gazebo Classic, uuv_simulator, vrx
+# and asv_wave_sim.
+_CARRIES = lazy_pattern(
+    r"(?i)buoyan|uuv_underwater_object|usv_gazebo_dynamics|lighter_than_air|^surface$"
+    r"|^hydrodynamicsplugin$|^gz-waves\d*-hydrodynamics"
+)
+
+
+def carries(filename: str) -> bool:
+    """Whether a plugin of a model carries it in water or air."""
+    return _CARRIES.search(stem(filename)) is not None
+
+
+def carried_by(robot: Robot, world: World | None) -> str | None:
+    """The file name of the plugin that carries a robot in water or air, if one does.
+
+    Gazebo Sim's system for buoyancy carries all models of its world.
+    """
+    own = (one.filename for tag in robot.gazebo for one in tag.plugins if carries(one.filename))
+    of_world = () if world is None else world.plugins
+    return next(iter((*own, *(one for one in of_world if stem(one) == "buoyancy"))), None)
 
 
 def simulator_of(filename: str) -> str | None:

@@ -11,6 +11,7 @@ from wsgen.files import read_regular, real_path
 from wsgen.launch.commands import started_programs
 from wsgen.launch.descriptions import Description, published_descriptions, read_published
 from wsgen.launch.simulators import WORLD_SUFFIXES, simulator_kinds
+from wsgen.model.gazebo_plugins import carried_by
 from wsgen.rules import (
     bridges,
     controllers,
@@ -152,7 +153,8 @@ def check_heights(
         return
     is_bare = not any(one.is_static_model or one.may_move for one in scene)
     for one in scene:
-        if one.can_run and not (one.is_static_model or one.may_move or one.on_the_ground):
+        is_model = one.is_static_model or one.may_move or one.on_the_ground
+        if one.can_run and not is_model and carried_by(one.lumped, world) is None:
             yield from check_spawn_height(
                 one.lumped, one.spawn_pose, one.height, entity=one.entity, is_bare=is_bare
             )

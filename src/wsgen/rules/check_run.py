@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Severity, has_errors
+from wsgen.model.gazebo_plugins import carried_by
 from wsgen.model.kinematics import link_poses, unactuated_joints
 from wsgen.model.robot import JointType
 from wsgen.rules import runs
@@ -28,6 +29,14 @@ OVERSHOT = 1.5  # times the way to the limit that a joint is pushed to: so far a
 FOLLOW_FROM_OVERLAP = {
     rule.code
     for rule in (runs.GAINS_ENERGY, runs.STUCK_IN_GROUND, runs.KEEPS_MOVING, runs.TIPS_OVER)
+}
+# What a robot does in the simulation that water or air carries in Gazebo.
+FOLLOW_FROM_WEIGHT = {
+    rule.code
+    for rule in (
+        *(runs.SPAWNED_IN_GROUND, runs.SPAWNED_HIGH, runs.STUCK_IN_GROUND, runs.FALLS_WITHOUT_END),
+        *(runs.THROWN_INTO_THE_AIR, runs.KEEPS_MOVING, runs.TIPS_OVER, runs.LEANS),
+    )
 }
 ON_THE_GROUND = 0.02  # m
 TOUCHES = 0.003  # m; engines have collision margins of 1 mm
@@ -86,6 +95,10 @@ def check_run(  # noqa: PLR0913  most have defaults
         elif is_alone and not motion and not depths and _is_on_the_ground(world, robot_run):
             motion = [*_leaning(robot, robot_run)]
         found += motion
+    plugin = carried_by(robot, world)
+    if plugin is not None and any(one.code in FOLLOW_FROM_WEIGHT for one in found):
+        found = [one for one in found if one.code not in FOLLOW_FROM_WEIGHT]
+        found.append(runs.no_buoyancy(entity, plugin))
     return tuple(found)
 
 

@@ -290,6 +290,30 @@ def falls_without_end(
         )
 
 
+NO_BUOYANCY = Rule(
+    code="SPN109",
+    name="no-buoyancy",
+    severity=Severity.INFO,
+    summary="A plugin carries the robot in water or air, which no engine of wsgen simulates.",
+    what="Where a plugin of the robot, or Gazebo Sim's system for buoyancy in the world, carries "
+    "the robot, does not report that it falls, sinks, tips over or moves.",
+    why="In the simulation the robot falls like a stone; in Gazebo it floats, or holds its depth.",
+    example='<plugin filename="gz-sim-buoyancy-system" name="gz::sim::systems::Buoyancy"/>',
+    instead="Start it in Gazebo to see how it floats.",
+)
+
+
+def no_buoyancy(entity: str, plugin: str) -> Diagnostic:
+    """Report that a robot is not simulated as it floats."""
+    return NO_BUOYANCY.at(
+        None,
+        element=entity,
+        message=f"In Gazebo, the plugin `{plugin}` carries the robot; no engine of wsgen simulates "
+        "buoyancy, and the robot falls: where it comes to rest is not checked.",
+        hint="Start it in Gazebo to see how it floats.",
+    )
+
+
 THROWN_INTO_THE_AIR = Rule(
     code="SPN057",
     name="thrown-into-the-air",

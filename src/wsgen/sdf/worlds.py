@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from wsgen import xmltree
 from wsgen.diagnostics import Rule, Severity
+from wsgen.model.gazebo_plugins import carries
 from wsgen.model.gazebo_systems import is_of_gz
 from wsgen.model.transform import rotate, rotation_of_rpy
 from wsgen.model.world import SUN_COLOR, SUN_DIRECTION, PlacedModel, World
@@ -147,8 +148,8 @@ def describe_world(
 
 
 def check_ground(source: Source, element: Element, world: World) -> None:
-    """Report a world without ground."""
-    if not world.has_ground_plane:
+    """Report a world without ground, unless it has water."""
+    if not world.has_ground_plane and not any(map(carries, world.plugins)):
         source.report(
             NO_GROUND,
             "The world has no ground plane: robots that are spawned into it fall.",
