@@ -12,6 +12,7 @@ from xml.etree import ElementTree as ET
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from markdown_it import MarkdownIt
 
 from report.test_json_report import DIAGNOSTIC, ROBOT, outcome
 from wsgen.diagnostics import Diagnostic, Rule, Severity
@@ -19,7 +20,7 @@ from wsgen.pipeline.check import CheckOutcome
 from wsgen.pipeline.reported import Reported
 from wsgen.report.cases import OF_COMPARISON, OF_RUNS, outcome_suites
 from wsgen.report.junit import Case, Failure, Suite, render_suites
-from wsgen.report.markdown import BAR, MOST_LISTED, summarize_check, summarize_outcome
+from wsgen.report.markdown import BAR, MOST_LISTED, _text, summarize_check, summarize_outcome
 from wsgen.rules import runs
 from wsgen.rules.bodies import IMPLAUSIBLE_DENSITY
 from wsgen.rules.runs import FALLS_WITHOUT_END, TIPS_OVER
@@ -101,6 +102,9 @@ def test_the_report_follows_the_schema_of_jenkins() -> None:
     )
     assert violations(read(result, with_files=False)) == []
     assert violations(read(result), extra={"file", "line"}) == []
+    texts = [render_suites("v", [], seconds=0, with_files=one) for one in (True, False)]
+    assert ["junit-10.xsd" in text for text in texts] == [True, True]
+    assert ["but for the attributes file" in text for text in texts] == [True, False]
     assert "testcase@file" in violations(read(result))
 
 
@@ -203,11 +207,23 @@ def test_the_summary_of_a_validation() -> None:
     )
     (item,) = [line for line in lines if "Try:" in line][:1]
     assert item == (
-        f"- `src/p/r.urdf:7`: **{TIPS_OVER.code}** It &lt;falls&gt; &amp; \\`breaks\\`|"
+        f"- `src/p/r.urdf:7`: **{TIPS_OVER.code}** It &lt;falls&gt; &amp; `breaks`|"
         "<br>Try: Add \\*legs\\*."
     )
     assert text.index("### Errors") < text.index("### Warnings") < text.index("### Not validated")
     assert "- q: spawns no robot" in lines
+
+
+@given(st.text(alphabet="ab `\\*_[]()<>#~$|&!-+.1:@\n", max_size=30))
+def test_a_text_in_a_summary_is_no_markup_but_code(text: str) -> None:
+    shown = MarkdownIt("gfm-like", {"linkify": False}).parse(f"- **X** {_text(text)}")
+    (line,) = [token for token in shown if token.type == "inline"]
+    kinds = {"strong_open", "strong_close", "text", "text_special", "code_inline"}
+    assert line.children is not None
+    assert {token.type for token in line.children} <= kinds
+    content = "".join(token.content for token in line.children)
+    assert re.sub("[ `]", "", content) == "X" + re.sub("[ `\n]", "", text)
+    assert "\\`" not in _text("no `code` ` here")
 
 
 def test_a_name_in_a_summary_is_no_markup() -> None:

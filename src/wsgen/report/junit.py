@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
 
+SCHEMA = "junit-10.xsd of the xUnit plugin of Jenkins"
+WITH_FILES = ", but for the attributes file and line of a testcase, which GitLab reads"
 # What XML cannot have, and control characters that no reader shows.
 _UNPRINTABLE = re.compile("[^\\t\\n\\x20-\\x7e\\xa0-\\ud7ff\\ue000-\\ufffd\\U00010000-\\U0010ffff]")
 
@@ -62,6 +64,7 @@ def render_suites(
     numbers = _numbers([case for suite in suites for case in suite.cases], seconds)
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
+        f"<!-- Schema: {SCHEMA}{WITH_FILES if with_files else ''} -->",
         f"<testsuites name={_quoted(name)} {numbers}>",
         *(line for suite in suites for line in _suite(suite, with_files=with_files)),
         "</testsuites>",

@@ -22,9 +22,12 @@ if TYPE_CHECKING:
 
 MOST_LISTED = 100  # diagnostics or packages: GitHub takes up to 1 MiB from a step
 LONGEST = 500  # characters of a message
-_SPECIAL = re.compile(r"([\\`*_{}\[\]<>#~])")
+# As `\#` or, for GitHub to read no formula, `\$`; a backquote becomes an entity, as GitHub shows a
+# backslash before it in code.
+_SPECIAL = re.compile(r"([\\*_{}\[\]<>#~$`])")
+_SPAN = re.compile(r"(`[^`]+`)")
 BAR = r"\|"
-_ENTITIES = {"&": "&amp;", "<": "&lt;", ">": "&gt;"}
+_ENTITIES = {"<": "&lt;", ">": "&gt;", "`": "&#96;"}
 
 
 def summarize_outcome(outcome: Outcome, folder: Path) -> str:
@@ -157,11 +160,18 @@ def _table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[s
 
 
 def _text(text: str) -> str:
-    """A text on one line, in which nothing is markup."""
+    """A text on one line, in which nothing is markup but code between backquotes."""
     line = " ".join(clean(text).split())
     line = line if len(line) <= LONGEST else f"{line[:LONGEST]}…"
-    line = line.replace("&", "&amp;")
-    return _SPECIAL.sub(lambda found: _ENTITIES.get(found[1], f"\\{found[1]}"), line)
+    return "".join(
+        part if index % 2 else _plain(part) for index, part in enumerate(_SPAN.split(line))
+    )
+
+
+def _plain(text: str) -> str:
+    return _SPECIAL.sub(
+        lambda found: _ENTITIES.get(found[1], f"\\{found[1]}"), text.replace("&", "&amp;")
+    )
 
 
 def _code(text: str) -> str:
