@@ -31,7 +31,12 @@ OF_RUNS: dict[str, tuple[Rule, ...]] = {
         runs.THROWN_INTO_THE_AIR,
         runs.GAINS_ENERGY,
     ),
-    "does not sink or fall": (runs.STUCK_IN_GROUND, runs.FALLS_WITHOUT_END, runs.RESTS_ON_HULL),
+    "does not sink or fall": (
+        runs.STUCK_IN_GROUND,
+        runs.FALLS_WITHOUT_END,
+        runs.RESTS_ON_HULL,
+        runs.NO_BUOYANCY,
+    ),
     "does not tip over": (runs.TIPS_OVER, runs.LEANS),
     "comes to rest": (runs.KEEPS_MOVING, runs.UNACTUATED_JOINTS_MOVE),
     "keeps its joints within their limits": (runs.JOINT_BEYOND_LIMIT,),
