@@ -1769,7 +1769,7 @@ NOT_PLANTED: dict[str, tuple[str, ...]] = {
         *("BLD025", "BLD026", "BLD030", "BLD032", "BLD048", "BLD067"),
     ),
     "a run of wsgen validate": (
-        *("PKG050", "PKG051", "PKG065", "PKG066", "PKG067", "ROB142", "WLD042", "LCH033"),
+        *("BLD069", "PKG050", "PKG051", "PKG065", "PKG066", "PKG067", "ROB142", "WLD042", "LCH033"),
         *("SPN003", "SPN089", "SPN097", "SPN098", "SPN099", "SPN100", "SPN101", "SPN102"),
         *("SPN108", "SPN109"),
     ),

@@ -19,6 +19,7 @@ from dataclasses import field
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
+from wsgen.build.last_build import INTERRUPTED
 from wsgen.errors import NotReadableError
 from wsgen.events import OutputLine, StepEnded, StepProgressed, StepStarted, post
 from wsgen.isolation.parent_death import open_parent_death_pipe
@@ -100,7 +101,6 @@ def _read(output: IO[bytes]) -> str:
 
 
 STEP = ("build",)
-INTERRUPTED = "SIGINT"  # colcon's return code of a job that it stopped
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,6 +10,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.alike import summed_up
+from wsgen.build.last_build import FAILED_BUILD, failed_builds
+from wsgen.build_files.cmake_checks import MISSING_AMENT_PACKAGE
 from wsgen.errors import NotFoundError, NotReadableError, RequestError
 from wsgen.events import OneAtATime
 from wsgen.files import irregular_kind
@@ -33,7 +35,7 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.events import Listener
     from wsgen.isolation.parent import Run
-    from wsgen.model.outcome import PackageOutcome
+    from wsgen.model.outcome import NotValidated, PackageOutcome
     from wsgen.pipeline.file_validation import FileValidation
     from wsgen.pipeline.requests import ValidateRequest
 
@@ -92,11 +94,27 @@ def validate(
         elif packages or request.files:
             run_parallel(lambda run: [one.run for one in subjects(run)], jobs, serial, ended)
         outcomes = _without_used_elsewhere(ended, request)
+        outcomes, not_validated = _with_failed_builds(outcomes, not_validated, overlay, request)
         outcomes = tuple(
             replace(outcome, diagnostics=summed_up(outcome.diagnostics))
             for outcome in _with_general(outcomes, overlay, request)
         )
         return Outcome(packages=outcomes, not_validated=not_validated)
+
+
+def _with_failed_builds(
+    outcomes: tuple[PackageOutcome, ...],
+    not_validated: tuple[NotValidated, ...],
+    overlay: Overlay,
+    request: ValidateRequest,
+) -> tuple[tuple[PackageOutcome, ...], tuple[NotValidated, ...]]:
+    """Report the failed builds of packages; most workspaces have none, and load nothing for it."""
+    failed = failed_builds(overlay.workspaces, overlay.written)
+    if not failed:
+        return outcomes, not_validated
+    from wsgen.pipeline.failed_builds import with_failed_builds  # noqa: PLC0415  see above
+
+    return with_failed_builds(outcomes, not_validated, failed, overlay, request.packages)
 
 
 def _on_workers(request: ValidateRequest, stack: ExitStack) -> tuple[Callable[[Run], Run], int]:
@@ -125,7 +143,13 @@ def _with_general(
     if not outcomes:
         return ()
     first, *others = outcomes
-    general = (*overlay.not_built(), *engine_left_out(request.engines))
+    found = [one for outcome in outcomes for one in outcome.diagnostics]
+    not_built: tuple[Diagnostic, ...] = ()
+    if not any(one.code == FAILED_BUILD.code for one in found):  # from which it follows
+        not_built = overlay.not_built(
+            {one.element for one in found if one.code == MISSING_AMENT_PACKAGE.code and one.element}
+        )
+    general = (*not_built, *engine_left_out(request.engines))
     return (replace(first, diagnostics=(*first.diagnostics, *general)), *others)
 
 
@@ -288,6 +312,7 @@ def play(  # noqa: PLR0913  what to play, where, how
     selected = selected_package(launch_file, package, overlay, workspace)
     outcome = Validation(selected, overlay, request.shared_by(1), listener).run()
     outcomes = (replace(outcome, package=package),)
+    outcomes, _ = _with_failed_builds(outcomes, (), overlay, request)
     return Outcome(packages=_with_general(outcomes, overlay, request))
 
 

@@ -31,6 +31,7 @@ MODULES = (
     "wsgen.build.causes",
     "wsgen.build.explain",
     "wsgen.build.installed",
+    "wsgen.build.last_build",
     "wsgen.build.run",
     "wsgen.build.source_packages",
     "wsgen.build.without_ros",

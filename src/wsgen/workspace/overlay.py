@@ -20,7 +20,9 @@ from wsgen.values import dataclass
 from wsgen.workspace.layout import Workspace, find_packages, ignored_package, with_surroundings
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterator, Mapping, Sequence
+
+    from wsgen.workspace.layout import PackageFolder
 
 
 SETUPS = {"bash": "setup.bash", "sh": "setup.sh"}
@@ -56,6 +58,7 @@ class Overlay:
     # Those of `sources` that colcon has built; the ament index does not have them.
     unregistered: frozenset[str] = frozenset()
     workspaces: tuple[Workspace, ...] = ()  # that it is of
+    written: tuple[PackageFolder, ...] = ()  # the packages of these, with what is wrong in them
 
     def ignored(self, package: str) -> RequestError | None:
         """The error for a package of the workspaces that colcon ignores; None where it is none."""
@@ -89,12 +92,17 @@ class Overlay:
         }
         return tuple(sorted({*names, *self.sources}))
 
-    def not_built(self) -> tuple[Diagnostic, ...]:
+    def not_built(self, explained: Collection[str] = ()) -> tuple[Diagnostic, ...]:
         """Say which packages were looked up that no ament index has; nothing where all are there.
 
-        They are not built, or their build does not register them.
+        They are not built, or their build does not register them; `explained` are those of which
+        something else says that.
         """
-        used = sorted(name for name in self.sources if is_used(name, self.environment))
+        used = sorted(
+            name
+            for name in self.sources
+            if name not in explained and is_used(name, self.environment)
+        )
         return (
             *self._sources_used(
                 [name for name in used if name not in self.unregistered],
@@ -197,10 +205,12 @@ def open_overlay(
     )
     sources: dict[str, Path] = {}
     built: set[str] = set()
+    written: list[PackageFolder] = []
     for workspace in places:
         if any((workspace.install / setup).is_file() for setup in SETUPS.values()):
             overlay = source_overlay(workspace, overlay.environment)
         for package in find_packages(workspace):
+            written.append(package)
             is_near = near is not None and near.is_relative_to(package.path)
             if re.fullmatch(r"[\w-]+", package.name) and not package.diagnostics:
                 sources[package.name] = (
@@ -209,8 +219,9 @@ def open_overlay(
                 if _is_built(workspace, package.name):
                     built.add(package.name)
     sources = {name: path for name, path in sources.items() if overlay.share(name) is None}
+    overlay = replace(overlay, workspaces=places, written=tuple(written))
     if not sources:
-        yield replace(overlay, workspaces=places)
+        yield overlay
         return
     with make_scratch() as folder:
         variables = serve_sources(sources, folder, overlay.environment)
@@ -219,7 +230,6 @@ def open_overlay(
             environment=variables,
             sources=sources,
             unregistered=frozenset(built & sources.keys()),
-            workspaces=places,
         )
 
 

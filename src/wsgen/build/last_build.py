@@ -1,0 +1,187 @@
+"""How the last build of each package ended, from what colcon left: a result and a log.
+
+What is installed by a build that failed is a part of the package, or the one of an earlier build.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from wsgen.diagnostics import Rule, Severity
+from wsgen.values import NamedTuple
+from wsgen.workspace.manifest import BUILD_TAGS, RUN_TAGS
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.workspace.layout import PackageFolder, Workspace
+
+
+FAILED_BUILD = Rule(
+    code="BLD069",
+    name="failed-build",
+    severity=Severity.ERROR,
+    summary="The last build of a package failed.",
+    what="Reads, for the packages that a launch file uses and those that they depend on, the "
+    "result and the log of the last `colcon build` or `wsgen build`.",
+    why="The install space holds a part of the package, what an earlier build left, or nothing of "
+    "it. What is simulated is not what the sources say.",
+    example="wsgen build  # fails\nwsgen validate",
+    instead="wsgen build  # until it succeeds\nwsgen validate",
+)
+
+RESULT = "colcon_build.rc"  # in the build folder of a package; colcon writes it after every build
+INTERRUPTED = "SIGINT"  # as result
+_ENDED = r"^\[[\d.]+\] \({}\) JobEnded: .*'rc': '?(\w+)"  # in events.log
+
+
+class FailedBuild(NamedTuple):
+    """A package whose last build failed."""
+
+    package: PackageFolder
+    build_folder: Path
+    log: Path | None  # the folder of the whole build; None where it is gone
+    was_interrupted: bool
+
+
+def failed_builds(
+    workspaces: Iterable[Workspace], packages: Sequence[PackageFolder]
+) -> dict[str, FailedBuild]:
+    """The packages of the workspaces whose last build failed or was interrupted, by name."""
+    return {
+        package.name: found
+        for workspace in workspaces
+        for package in packages
+        if workspace.package_folders or package.path.is_relative_to(workspace.root)
+        if (found := _failed_build(workspace, package))
+    }
+
+
+def _failed_build(workspace: Workspace, package: PackageFolder) -> FailedBuild | None:
+    folder = workspace.build / package.name
+    try:
+        result = (folder / RESULT).read_text(encoding="utf-8").strip()
+    except (OSError, ValueError):
+        return None
+    if result == "0":
+        return None
+    log = _last_log(workspace, package.name)
+    # A later build may have had another build folder.
+    if log is not None and _result_in(log, package.name) == "0":
+        return None
+    return FailedBuild(package, folder, log, result == INTERRUPTED)
+
+
+def _last_log(workspace: Workspace, package: str) -> Path | None:
+    """The log of the last build with the package."""
+    try:
+        folders = sorted(workspace.log.glob("build_*"), reverse=True)  # named by date and time
+    except OSError:
+        return None
+    return next((one for one in folders if (one / package).is_dir()), None)
+
+
+def _result_in(log: Path, package: str) -> str | None:
+    text = _read(log / "events.log")
+    ended = re.findall(_ENDED.format(re.escape(package)), text, re.MULTILINE)
+    return ended[-1] if ended else None
+
+
+def _read(file: Path) -> str:
+    try:
+        return file.read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return ""
+
+
+def explain_builds(
+    failed: Sequence[FailedBuild], packages: Collection[PackageFolder], distro: str
+) -> Iterator[Diagnostic]:
+    """Report failed builds, each with its first error.
+
+    One that failed for lack of another one is left out.
+
+    Args:
+        failed: Some of the packages.
+        packages: All packages of the workspace.
+        distro: Of the ROS that is sourced; empty without one.
+    """
+    siblings = {package.name for package in packages}
+    for one in failed:
+        name = one.package.name
+        first = None if one.was_interrupted else _first_error(one, siblings, distro)
+        others = [other.package.name for other in failed if other is not one]
+        if first is not None and any(re.search(rf"\b{other}\b", first.message) for other in others):
+            continue
+        if first is None:
+            what = "was interrupted" if one.was_interrupted else "failed"
+            yield FAILED_BUILD.at(
+                one.package.path,
+                element=name,
+                message=f"The last build of {name} {what}.",
+                hint="Run `wsgen build`.",
+            )
+            continue
+        is_edited = first.file is not None and _is_edited(first.file, one)
+        yield FAILED_BUILD.at(
+            first.file,
+            first.line,
+            name,
+            message=f"The last build of {name} failed: {first.message.removeprefix(f'{name}: ')}",
+            hint=f"{first.file.name} was changed after that. Run `wsgen build`."
+            if is_edited and first.file
+            else f"{first.hint or ''} Then run `wsgen build`.",
+        )
+
+
+def _is_edited(file: Path, one: FailedBuild) -> bool:
+    """Whether a file was changed after the build."""
+    try:
+        return file.is_file() and file.stat().st_mtime > (one.build_folder / RESULT).stat().st_mtime
+    except OSError:
+        return False
+
+
+def _first_error(one: FailedBuild, siblings: Collection[str], distro: str) -> Diagnostic | None:
+    from wsgen.build.explain import explain  # noqa: PLC0415  most builds succeed
+    from wsgen.build.failure import Failure  # noqa: PLC0415  as above
+
+    package, log = one.package, one.log
+    output = "" if log is None else _error_output(log / package.name)
+    if not output:
+        return None
+    failure = Failure(
+        package=package.name,
+        folder=package.path,
+        is_python=package.build_type == "ament_python",
+        build_folder=one.build_folder,
+        output=output,
+        siblings=siblings,
+        distro=distro,
+        log=log,
+    )
+    return explain(failure)[0]
+
+
+def _error_output(log: Path) -> str:
+    """What the programs of a package wrote about errors, as `wsgen.build.colcon` collects it."""
+    of_errors = _read(log / "stderr.log")
+    _, failed, rest = _read(log / "stdout.log").partition("\nFAILED: ")
+    return of_errors + failed + rest
+
+
+def needed_by(names: Iterable[str], packages: Mapping[str, PackageFolder]) -> frozenset[str]:
+    """The packages with these names, and those of the workspace that they depend on."""
+    found: set[str] = set()
+    waiting = list(names)
+    while waiting:
+        name = waiting.pop()
+        package = packages.get(name)
+        if name not in found and package is not None:
+            found.add(name)
+            if package.manifest is not None:
+                waiting += package.manifest.names(BUILD_TAGS | RUN_TAGS)
+    return frozenset(found)

@@ -1,0 +1,141 @@
+"""Packages whose last build failed: what is validated of them is not what the sources say.
+
+The failure is reported once, with its first error, and nothing that follows from it.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+from wsgen.build.last_build import explain_builds, needed_by
+from wsgen.description_rules import MISSING_COLLISION_MESH, MISSING_VISUAL_MESH
+from wsgen.launch.explain_missing import (
+    EXECUTABLE_NOT_FOUND,
+    FILE_NOT_INSTALLED,
+    PACKAGE_NOT_FOUND,
+    XACRO_FAILS,
+)
+from wsgen.model.outcome import NotValidated, PackageOutcome
+from wsgen.rules.controller_joints import MISSING_CONTROLLER_FILE
+from wsgen.rules.named_worlds import MISSING_WORLD
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterator, Mapping, Sequence
+
+    from wsgen.build.last_build import FailedBuild
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.workspace.layout import PackageFolder
+    from wsgen.workspace.overlay import Overlay
+
+
+class Validated(NamedTuple):
+    """What is validated, and what is not."""
+
+    packages: tuple[PackageOutcome, ...]
+    not_validated: tuple[NotValidated, ...]
+
+
+def with_failed_builds(
+    packages: Sequence[PackageOutcome],
+    not_validated: Sequence[NotValidated],
+    failed: Mapping[str, FailedBuild],
+    overlay: Overlay,
+    named: Collection[str] = (),
+) -> Validated:
+    """Report the failed builds of the packages that outcomes are about, or need.
+
+    A package of which nothing else is validated gets an outcome of its own if it is `named`, or if
+    there is no other outcome; else the list of what is not validated says it.
+
+    Args:
+        packages: The outcomes.
+        not_validated: What else there is.
+        failed: The failed builds, by the name of the package.
+        overlay: Of the workspace.
+        named: The packages that the user asked for.
+    """
+    by_name = {package.name: package for package in overlay.written}
+    reported: set[str] = set()
+    outcomes = []
+    for outcome in packages:
+        needed = needed_by(_used(outcome, overlay), by_name)
+        of_outcome = [one for name, one in failed.items() if name in needed]
+        reported.update(one.package.name for one in of_outcome)
+        outcomes.append(_with_failures(outcome, of_outcome, overlay))
+    is_empty = not outcomes
+    others = []
+    for left in not_validated:
+        one = failed.get(left.package)
+        if one is None or left.package in reported:
+            others.append(left)
+            continue
+        found = tuple(_explained([one], overlay))
+        if is_empty or left.package in named:
+            reported.add(left.package)
+            share = overlay.share(left.package)
+            outcomes.append(
+                PackageOutcome(
+                    package=left.package, share=share, launch_file=None, diagnostics=found
+                )
+            )
+        else:
+            why = "".join(
+                each.message.replace(f"The last build of {left.package}", "; its last build")
+                for each in found
+            )
+            others.append(replace(left, reason=f"{left.reason}{why}".removesuffix(".")))
+    return Validated(tuple(outcomes), tuple(others))
+
+
+def _used(outcome: PackageOutcome, overlay: Overlay) -> Iterator[str]:
+    """The packages of the workspace that an outcome is about, or looks up."""
+    if outcome.package is not None:
+        yield outcome.package
+    plan = outcome.plan
+    if plan is None:
+        return
+    yield from (one.package for one in plan.processes if one.package)
+    yield from (one.package for one in plan.includes if one.package)
+    yield from (one.package for one in plan.lookups)
+    for package in overlay.written:
+        share = overlay.share(package.name)
+        if share is not None and any(one.is_relative_to(share) for one in plan.evaluated_files):
+            yield package.name
+
+
+def _with_failures(
+    outcome: PackageOutcome, failed: Sequence[FailedBuild], overlay: Overlay
+) -> PackageOutcome:
+    if not failed:
+        return outcome
+    packages = [one.package for one in failed]
+    kept = (found for found in outcome.diagnostics if not _follows(found, packages))
+    return replace(outcome, diagnostics=(*_explained(failed, overlay), *kept))
+
+
+def _explained(failed: Sequence[FailedBuild], overlay: Overlay) -> Iterator[Diagnostic]:
+    distro = overlay.environment.get("ROS_DISTRO", "")
+    return explain_builds(failed, overlay.written, distro)
+
+
+_OF_BUILDS = ("BLD", "PKG")  # families
+_OF_LOOKUPS = frozenset(
+    rule.code
+    for rule in (
+        *(EXECUTABLE_NOT_FOUND, FILE_NOT_INSTALLED, PACKAGE_NOT_FOUND, XACRO_FAILS),
+        *(MISSING_COLLISION_MESH, MISSING_VISUAL_MESH, MISSING_CONTROLLER_FILE, MISSING_WORLD),
+    )
+)
+
+
+def _follows(found: Diagnostic, failed: Sequence[PackageFolder]) -> bool:
+    """Whether a diagnostic is about what a failed build has not installed, or about its cause."""
+    if found.code.startswith(_OF_BUILDS):
+        return found.file is not None and any(
+            found.file.is_relative_to(package.path) for package in failed
+        )
+    return found.code in _OF_LOOKUPS and any(
+        re.search(rf"(?<![\w-]){package.name}(?![\w-])", found.message) for package in failed
+    )
