@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from wsgen import yamlfile
+from wsgen.diagnostics import Severity
 from wsgen.model.plan import LaunchPlan, Process, Unresolved
 from wsgen.rules.controllers import (
     find_configured,
@@ -146,8 +147,11 @@ def test_plugins_name_their_files() -> None:
 )
 def test_types_that_do_not_exist(written: str) -> None:
     text = TEXT.replace("diff_drive_controller/DiffDriveController", written)
-    (found,) = unknown_types(FILE, read(text))
+    (found,) = unknown_types(FILE, read(text), ())
     assert (found.name, found.line, found.element) == ("unknown-controller-type", 5, "diff_cont")
+    assert found.severity is Severity.WARNING
+    (found,) = unknown_types(FILE, read(text), {"diff_cont"})  # a launch file starts it
+    assert found.severity is Severity.ERROR
 
 
 @pytest.mark.parametrize(
@@ -160,4 +164,4 @@ def test_types_that_do_not_exist(written: str) -> None:
 )
 def test_types_that_may_exist(written: str) -> None:
     text = TEXT.replace("diff_drive_controller/DiffDriveController", written)
-    assert list(unknown_types(FILE, read(text))) == []
+    assert list(unknown_types(FILE, read(text), ())) == []

@@ -109,6 +109,10 @@ def check_launched(  # noqa: PLR0913  most have defaults
         file: _parameters(file) for file in controllers.parameter_files(_descriptions(started))
     }
     yield from controllers.unknown_controllers(plan, controllers.find_configured(plan, files))
+    started_here = frozenset(controllers.started_controllers(plan))
+    for file, content in files.items():
+        if content is not None:
+            yield from controllers.unknown_types(file, content, started_here)
     if found.topics:
         yield from bridges.check_bridges(
             found.topics,
@@ -239,6 +243,7 @@ def check_texts(
     """
     links, known = frames.links_of(robots), frames.known_frames(robots, plans)
     of_ros_1: list[Path] = []
+    started = {name for plan in plans for name in controllers.started_controllers(plan)}
     for file in _files(package.path, (".launch", *LAUNCH_FILES, ".rviz", ".yaml", ".yml")):
         if file.suffix == ".launch":
             of_ros_1.append(file)
@@ -249,7 +254,7 @@ def check_texts(
             yield from _check_frames(file, content, links, known)
             if file.suffix != ".rviz":
                 yield from _check_paths(file, content)
-                yield from _check_controllers(file, content)
+                yield from _check_controllers(file, content, started)
     if package.build_type != "catkin":
         yield from launch_files.ros_1_launch_files(of_ros_1)
 
@@ -266,10 +271,12 @@ def _check_paths(file: Path, content: bytes) -> Iterator[Diagnostic]:
         yield from launch_files.home_paths(file)
 
 
-def _check_controllers(file: Path, content: bytes) -> Iterator[Diagnostic]:
+def _check_controllers(
+    file: Path, content: bytes, started: Collection[str]
+) -> Iterator[Diagnostic]:
     parameters = _parameters(file) if b"controller_manager" in content else None
     if parameters is not None:
-        yield from controllers.unknown_types(file, parameters)
+        yield from controllers.unknown_types(file, parameters, started)
 
 
 def sets_search_path(packages: Iterable[PackageFolder]) -> bool:

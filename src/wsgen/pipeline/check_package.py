@@ -6,8 +6,6 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from wsgen.build_files.cmake_checks import check_for_distro
-from wsgen.build_files.python_sources import check_python_syntax
 from wsgen.diagnostics import has_errors
 from wsgen.files import real_path
 from wsgen.isolation.parent import make_part
@@ -29,8 +27,6 @@ from wsgen.pipeline.check_launched import (
     loaded_worlds,
     sets_search_path,
 )
-from wsgen.pipeline.check_manifest import check_package_manifest
-from wsgen.pipeline.check_nodes import check_nodes
 from wsgen.pipeline.check_severities import (
     is_included,
     of_file_alone,
@@ -39,6 +35,7 @@ from wsgen.pipeline.check_severities import (
     without_replaced_options,
     without_simulation,
 )
+from wsgen.pipeline.check_sources import check_sources
 from wsgen.pipeline.clock import Clock
 from wsgen.pipeline.file_kinds import read
 from wsgen.pipeline.file_validation import UNUSABLE_FILE, FileValidation
@@ -50,7 +47,6 @@ from wsgen.rules import launch_files
 from wsgen.rules.target import target_of
 from wsgen.values import NamedTuple
 from wsgen.workspace.layout import find_launch_files
-from wsgen.workspace.package_xml import check_package_xml
 from wsgen.workspace.robot_files import find_descriptions
 from wsgen.workspace.settings import read_settings
 from wsgen.xacro.source import without_call
@@ -62,10 +58,7 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.events import Listener
     from wsgen.isolation.parent import Run
-    from wsgen.model.build_facts import BuildFacts
-    from wsgen.model.plan import LaunchPlan
     from wsgen.model.robot import Robot
-    from wsgen.model.world import World
     from wsgen.pipeline.installed_as_built import InstalledAsBuilt
     from wsgen.pipeline.prepare import PreparedRobot
     from wsgen.rules.target import Target
@@ -83,18 +76,6 @@ class DescribedRobot(NamedTuple):
     written: Robot
     file: Path | None
     launch_file: Path | None  # None: the file is read by itself
-
-
-class Facts(NamedTuple):
-    """What the files of a package say, for the checks between them."""
-
-    package: PackageFolder
-    plans: tuple[LaunchPlan, ...]  # of its launch files, those that fail included
-    robots: tuple[DescribedRobot, ...]
-    worlds: tuple[World, ...]
-    build: BuildFacts | None  # None: of an install space
-    distro: str | None  # the target
-    simulator: str | None  # "classic" or "gz"
 
 
 class PackageCheck:
@@ -127,7 +108,6 @@ class PackageCheck:
         self.distro = target.distro
         self.overlay = _as_sourced(installed.overlay, target)
         self.robots: list[DescribedRobot] = []
-        self.worlds: list[World] = []
         self.simulators: list[str] = []
         self.sets_search_path: bool | None = None  # not known yet
         self.descriptions: tuple[Path, ...] = ()  # robots, models and worlds of the package
@@ -156,14 +136,18 @@ class PackageCheck:
         return found
 
     def _run(self, folder: Path) -> Iterator[Diagnostic]:
-        yield from self.package.diagnostics or check_package_xml(
-            self.package.path / "package.xml", self.package.manifest
-        )
         yield from self.diagnostics_of_settings
+        candidates = () if self.package.diagnostics else self._evaluate()
+        yield from check_sources(
+            self.package,
+            build=self.installed.facts.get(self.package.name),
+            problems=self.installed.problems.get(self.package.name, ()),
+            plans=[one.started.plan for one in candidates],
+            packages=self.installed.sources,
+            distro=self.distro,
+        )
         if self.package.diagnostics:
             return
-        yield from self.installed.problems.get(self.package.name, ())
-        candidates = self._evaluate()
         yield from self._check_launched(candidates, folder)
         self.descriptions = tuple(
             file
@@ -184,35 +168,10 @@ class PackageCheck:
             [one.written for one in self.robots],
             [one.started.plan for one in candidates],
         )
-        yield from self._check_together(
-            Facts(
-                package=self.package,
-                plans=tuple(one.started.plan for one in candidates),
-                robots=tuple(self.robots),
-                worlds=tuple(self.worlds),
-                build=self.installed.facts.get(self.package.name),
-                distro=self.distro,
-                simulator=self.simulators[0] if len(set(self.simulators)) == 1 else None,
-            )
-        )
-
-    def _check_together(self, facts: Facts) -> Iterator[Diagnostic]:
-        """The checks between files."""
-        # One call of a rule a line: `yield from topic.rule(facts...)`.
-        if facts.build is not None:
-            yield from check_for_distro(facts.build.dated_calls, facts.distro)
-            if facts.package.build_type != "catkin":  # whose programs may be of Python 2
-                yield from check_python_syntax(facts.build, facts.distro)
-                yield from check_nodes(facts.build, self.installed.sources)
-        yield from check_package_manifest(
-            facts.package,
-            build=facts.build,
-            plans=facts.plans,
-            packages=self.installed.sources,
-            distro=facts.distro,
-        )
         yield from check_controlled(
-            ((one.written, one.file) for one in facts.robots), facts.plans, self.overlay.share
+            ((one.written, one.file) for one in self.robots),
+            [one.started.plan for one in candidates],
+            self.overlay.share,
         )
 
     def _evaluate(self) -> list[Candidate]:
@@ -280,7 +239,7 @@ class PackageCheck:
             yield from (one for one in validation.diagnostics if one not in started.diagnostics)
             yield from check_heights(started, world, scene, validation.diagnostics)
             files = {spawn.entity: spawn.description_file for spawn in started.spawns}
-            self._note(world, scene, files, one.file)
+            self._note(scene, files, one.file)
             if validation.simulator_kind is not None:
                 self.simulators.append(validation.simulator_kind)
             self.read |= {
@@ -319,13 +278,10 @@ class PackageCheck:
 
     def _note(
         self,
-        world: World | None,
         scene: Iterable[PreparedRobot],
         files: Mapping[str, Path | None],
         launch_file: Path | None,
     ) -> None:
-        if world is not None and world.file is not None:
-            self.worlds.append(world)
         self.robots += [
             DescribedRobot(one.written, files.get(one.entity), launch_file)
             for one in scene
@@ -341,9 +297,9 @@ class PackageCheck:
                 file, self.overlay, NOTHING, None, self.run_task, name=file.name
             )
             context = PrepareContext(share_of=validation.share_of, folder=folder, run=self.run_task)
-            world, prepared = validation.read(context)
+            _, prepared = validation.read(context)
             yield from of_file_alone(validation.diagnostics)
-            self._note(world, prepared, dict.fromkeys((one.entity for one in prepared), file), None)
+            self._note(prepared, dict.fromkeys((one.entity for one in prepared), file), None)
 
 
 def _as_sourced(overlay: Overlay, target: Target) -> Overlay:

@@ -52,7 +52,6 @@ from wsgen.sdf.lookup import find_world, is_brought_along, is_there
 from wsgen.sdf.source import is_sdf
 from wsgen.sdf.worlds import DEFAULT_WORLD
 from wsgen.workspace.layout import workspace_around
-from wsgen.workspace.package_xml import refusals_of
 from wsgen.workspace.settings import read_settings
 
 if TYPE_CHECKING:
@@ -132,6 +131,10 @@ class Validation:
             and not has_errors(self.diagnostics)
         ):
             self.diagnostics = why_nothing_is_simulated(started.plan, self.diagnostics)
+        # Other commands read packages, too, and need nothing of what checks them.
+        from wsgen.pipeline.check_validated import errors_of_check  # noqa: PLC0415
+
+        self.diagnostics += errors_of_check(self, world, scene)
         return PackageOutcome(
             package=self.package,
             share=self.selected.share,
@@ -247,8 +250,6 @@ class Validation:
         if source is None or self.selected.share is None or settings is None:
             return
         yield from self.changed()
-        for found in refusals_of(source / "package.xml"):
-            yield replace(found, severity=Severity.WARNING)
         yield from self.settings_diagnostics
         yield from unknown_rule_allowed(settings.allow, settings.file, settings.allow_line)
 

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.behavior import BehaviorRun, LiveMeasurement
+    from wsgen.model.plan import LaunchPlan
     from wsgen.pipeline.started import Started
     from wsgen.workspace.layout import Workspace
     from wsgen.workspace.overlay import Overlay
@@ -49,6 +50,7 @@ class SelectedPackage:
     label: str = ""  # of pictures and progress, if that is not the name
     is_first: bool = True  # of those with this package
     elsewhere: frozenset[str] = frozenset()  # entities that its other launch files spawn
+    beside: tuple[LaunchPlan, ...] = ()  # of its other launch files
     workspace: Mapping[Path, Path] = field(default_factory=dict)  # share folder -> source, of all
 
 

@@ -148,7 +148,7 @@ def select_packages(
     )
     problems = {one.package: one for one in reversed(uninstalled.chosen)}
     selected = [
-        *(_select(one, packages[one.package], choice.chosen) for one in choice.chosen),
+        *(_select(one, packages[one.package], choice.chosen, found) for one in choice.chosen),
         *(_with_problem(one, packages[one.package]) for one in problems.values()),
     ]
     order = {name: number for number, name in enumerate(names)}
@@ -214,7 +214,10 @@ def _list_files(name: str, source: Path | None, share: Path | None) -> PackageFi
 
 
 def _select(
-    candidate: Candidate, package: PackageFiles, chosen: Sequence[Candidate]
+    candidate: Candidate,
+    package: PackageFiles,
+    chosen: Sequence[Candidate],
+    found: Sequence[Candidate],
 ) -> SelectedPackage:
     of_package = [one for one in chosen if one.package == package.name]
     return SelectedPackage(
@@ -225,6 +228,11 @@ def _select(
         started=candidate.started,
         is_first=of_package[0] is candidate,
         elsewhere=frozenset(spawn.entity for one in of_package for spawn in one.started.spawns),
+        beside=tuple(
+            one.started.plan
+            for one in found
+            if one.package == package.name and one.launch_file != candidate.launch_file
+        ),
     )
 
 

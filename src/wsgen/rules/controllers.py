@@ -12,7 +12,7 @@ from wsgen.values import NamedTuple
 from wsgen.xmltree import children
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
     from wsgen import yamlfile
     from wsgen.diagnostics import Diagnostic
@@ -38,6 +38,7 @@ UNKNOWN_CONTROLLER_TYPE = Rule(
     code="LCH079",
     name="unknown-controller-type",
     severity=Severity.WARNING,
+    severity_varies="an error about a controller that a launch file of the package starts",
     summary="A controller has a type that `ros2_controllers` does not have.",
     what="Looks in the parameters of controller managers for types of older releases, and for "
     "nearly the names of those in `ros2_controllers`. Other types are assumed to be somebody's "
@@ -244,8 +245,13 @@ def _names(words: Sequence[str]) -> list[str]:
     return names
 
 
-def unknown_types(file: Path, content: yamlfile.Value) -> Iterator[Diagnostic]:
-    """Report the controllers of a file of parameters that have a type which does not exist."""
+def unknown_types(
+    file: Path, content: yamlfile.Value, started: Collection[str]
+) -> Iterator[Diagnostic]:
+    """Report the controllers of a file of parameters that have a type which does not exist.
+
+    `started` are those that launch files start.
+    """
     known = _TYPES.split()
     for name, value in managed_types(content):
         written = value.text or ""
@@ -264,4 +270,5 @@ def unknown_types(file: Path, content: yamlfile.Value) -> Iterator[Diagnostic]:
                 name,
                 message=f"`{written}` is not a controller of ros2_controllers.",
                 hint=did_you_mean(meant),
+                severity=Severity.ERROR if name in started else Severity.WARNING,
             )

@@ -88,7 +88,6 @@ REFUSED_MANIFEST = Rule(
     code="PKG005",
     name="invalid-manifest",
     severity=Severity.ERROR,
-    severity_varies="a warning of `wsgen validate`, which looks at robots",
     summary="`catkin_pkg` refuses package.xml.",
     what="Reads package.xml with catkin_pkg, as colcon and ament_cmake do.",
     why="`colcon` then takes the package for one of plain CMake or Python, in another environment "

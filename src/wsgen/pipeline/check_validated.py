@@ -1,0 +1,128 @@
+"""The errors of `wsgen check` that concern what `wsgen validate` has evaluated and read.
+
+Nothing is evaluated, expanded or read again. What is a warning of `wsgen check` stays one of it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wsgen.build_files.facts import read_build_facts
+from wsgen.diagnostics import Severity
+from wsgen.files import real_path
+from wsgen.pipeline.check_controllers import check_controlled
+from wsgen.pipeline.check_launched import (
+    check_addresses,
+    check_heights,
+    check_launched,
+    check_worlds,
+    loaded_worlds,
+    sets_search_path,
+)
+from wsgen.pipeline.check_sources import check_sources
+from wsgen.rules.target import target_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.model.world import World
+    from wsgen.pipeline.package_validation import Validation
+    from wsgen.pipeline.prepare import PreparedRobot
+    from wsgen.pipeline.started import Started
+    from wsgen.workspace.layout import PackageFolder
+
+
+def errors_of_check(
+    validation: Validation, world: World | None, scene: Sequence[PreparedRobot]
+) -> list[Diagnostic]:
+    """The errors that `wsgen check` reports, but for those that the validation has reported.
+
+    They are those of the launch file with its world and robots, of the package, and of the packages
+    whose programs and launch files it starts.
+    """
+    if validation.selected.problem is not None:
+        return []  # the problem is in these files
+    packages = {one.name: one for one in validation.overlay.written}
+    found = [*_of_packages(validation, packages)]
+    if validation.started is not None:
+        package = packages.get(validation.package)
+        distro = _distro_of(package, validation, packages)
+        found += _of_launched(validation, validation.started, world, scene, distro)
+    reported = {(one.code, one.file, one.line) for one in validation.diagnostics}
+    return [
+        one
+        for one in dict.fromkeys(found)
+        if one.severity is Severity.ERROR and (one.code, one.file, one.line) not in reported
+    ]
+
+
+def _of_launched(
+    validation: Validation,
+    started: Started,
+    world: World | None,
+    scene: Sequence[PreparedRobot],
+    distro: str | None,
+) -> Iterator[Diagnostic]:
+    overlay = validation.overlay
+    yield from check_launched(
+        started,
+        overlay.environment,
+        validation.selected.beside,
+        is_known=lambda name: name not in overlay.sources and overlay.share(name) is not None,
+        sets_path=lambda: sets_search_path(overlay.written),
+        distro=distro,
+        is_installed=lambda name: overlay.share(name) is not None,
+    )
+    yield from check_addresses(started, overlay.share)
+    if not started.is_evaluated:
+        return
+    yield from check_heights(started, world, scene, validation.diagnostics)
+    worlds = [world.file] if world is not None and world.file is not None else []
+    yield from check_worlds(
+        worlds,
+        loaded_worlds([started], overlay.environment),
+        overlay.environment,
+        simulator=validation.simulator_kind,
+        distro=distro,
+        spawned_into={real_path(file) for file in worlds},
+    )
+    files = {spawn.entity: spawn.description_file for spawn in started.spawns}
+    yield from check_controlled(
+        ((one.written, files.get(one.entity)) for one in scene if not one.is_static_model),
+        [started.plan],
+        overlay.share,
+    )
+
+
+def _of_packages(
+    validation: Validation, packages: Mapping[str, PackageFolder]
+) -> Iterator[Diagnostic]:
+    plan = validation.started.plan if validation.started else None
+    names = [validation.package] if validation.selected.is_first else []
+    if plan is not None:
+        names += [one.package for one in (*plan.processes, *plan.includes) if one.package]
+    for name in dict.fromkeys(names):
+        package = packages.get(name)
+        if package is None:
+            continue
+        build, problems = read_build_facts(package.path, name, package.build_type)
+        yield from check_sources(
+            package,
+            build=build,
+            problems=problems,
+            plans=[plan] if plan is not None and name == validation.package else [],
+            packages=packages,
+            distro=_distro_of(package, validation, packages),
+        )
+
+
+def _distro_of(
+    package: PackageFolder | None, validation: Validation, packages: Mapping[str, PackageFolder]
+) -> str | None:
+    return target_of(
+        package.manifest if package else None,
+        recorded=validation.settings.distro if validation.settings else None,
+        sourced=validation.overlay.environment.get("ROS_DISTRO"),
+        workspace=packages.keys(),
+    ).distro
