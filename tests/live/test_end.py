@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from live_launch import is_alive, wait_until
-from wsgen.live.request import ENDED_FILE
 from wsgen.live.service import SECONDS_TO_SIMULATE
+from wsgen.simulation.live_runs import ENDED_FILE
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -17,19 +17,21 @@ import pytest
 
 from wsgen.errors import NotFoundError
 from wsgen.isolation.stale import PREFIX, held
-from wsgen.live.program import (
-    distro_of_run,
-    find_command,
-    find_live_folder,
-    find_runs,
-    launched_in,
-)
-from wsgen.live.request import REQUEST_FILE, STARTING_FILE
+from wsgen.live.program import find_command
 from wsgen.live.ros2_command import write_ros2
 from wsgen.live.run import note_end, note_start
 from wsgen.ros_environment import RosEnvironment
 from wsgen.ros_nodes.silence import Run
-from wsgen.simulation.live_scene import short_name, socket_path
+from wsgen.simulation.live_runs import (
+    REQUEST_FILE,
+    STARTING_FILE,
+    distro_of_run,
+    find_live_folder,
+    find_runs,
+    find_simulator,
+    launched_in,
+)
+from wsgen.simulation.live_scene import FOLDER_VARIABLE, short_name, socket_path
 
 PYTHON = Path("/python")
 
@@ -105,6 +107,14 @@ def test_a_live_run_of_the_same_domain_is_found(
         assert find_live_folder({"ROS_DOMAIN_ID": "7"}) == folder
         assert launched_in(folder) == "rover run.launch.py"
         assert find_live_folder({}) is None
+        own = tmp_path / f"{PREFIX}y" / "live"  # of a launch without a simulator
+        own.mkdir(parents=True)
+        mine = {"ROS_DOMAIN_ID": "7", FOLDER_VARIABLE: str(own)}
+        for awaits, expected in ((False, folder), (True, own)):
+            (own / REQUEST_FILE).write_text(json.dumps({**request, "awaits_simulator": awaits}))
+            assert find_simulator(mine) == expected
+        assert find_simulator({"ROS_DOMAIN_ID": "7"}) == folder
+        assert find_simulator({"ROS_DOMAIN_ID": "8"}) is None
         with monkeypatch.context() as patch:
             patch.setattr("os.getuid", lambda: folder.stat().st_uid + 1)
             assert find_live_folder({"ROS_DOMAIN_ID": "7"}) is None  # another user's

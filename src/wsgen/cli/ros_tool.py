@@ -78,9 +78,9 @@ def start_tool(
 
     from wsgen.cli.progress import listening
     from wsgen.isolation.parent import not_started
-    from wsgen.live.program import DOMAIN, find_runs
     from wsgen.ros_environment import open_ros, variables_of_nodes
     from wsgen.ros_environment.processes import hand_over, module_command
+    from wsgen.simulation.live_runs import DOMAIN, find_runs
 
     environment = overlay_environment((ctx.parent or ctx).params.get("workspace"))
     package = (message_type or "").partition("/")[0]

@@ -28,7 +28,6 @@ from wsgen.live.missing_programs import (
     starts_nothing,
 )
 from wsgen.live.preparer import Preparer, serve
-from wsgen.live.program import DOMAIN, distro_of_run, find_live_folder, launched_in
 from wsgen.live.recording import Recordings
 from wsgen.live.request import NodeServerRequest, ServiceRequest
 from wsgen.model.gazebo_systems import DEFAULT_SYSTEMS
@@ -39,6 +38,7 @@ from wsgen.pipeline.prepare import KnownRobots
 from wsgen.pipeline.run_robots import spawned_robots
 from wsgen.pipeline.validate import selected_package
 from wsgen.ros_environment import paths_with_all_messages, variables_of_nodes
+from wsgen.simulation.live_runs import DOMAIN, distro_of_run, find_live_folder, launched_in
 from wsgen.simulation.live_scene import SCENE_FILE, LiveScene
 from wsgen.simulation.scene import Scene
 from wsgen.values import dataclass

@@ -9,11 +9,7 @@ from pathlib import Path  # noqa: TC003
 from wsgen.model.plan import LaunchRequest  # noqa: TC001
 from wsgen.values import dataclass
 
-REQUEST_FILE, NODES_FILE = "service.json", "nodes.json"  # in the live folder
-# Likewise, from the beginning on: a JSON object with the `domain` of ROS, and what is `launched`.
-STARTING_FILE = "starting.json"
-# There as soon as the launch is shut down; then has the name of the video that is drawn of it.
-ENDED_FILE = "ended"
+NODES_FILE = "nodes.json"  # in the live folder
 # What the parent tells the service, a byte each.
 NODES, GO, INTERRUPT, TERMINATE = b"n", b"g", b"i", b"t"
 

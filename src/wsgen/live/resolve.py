@@ -13,11 +13,11 @@ from wsgen.launch import commands, known_packages
 from wsgen.launch.package_lookup import NOT_COMPILED
 from wsgen.live import launch_node
 from wsgen.live.journal import OTHER, SIMULATOR, SPAWNER, STANDARD
-from wsgen.live.program import DOMAIN
 from wsgen.live.programs import SPAWNERS, BuiltIn, LeftOut, find_replacement
 from wsgen.live.ros2_command import write_ros2
 from wsgen.ros_environment.environment import DISCOVERY_VARIABLES
 from wsgen.ros_environment.processes import module_command
+from wsgen.simulation.live_runs import DOMAIN
 from wsgen.simulation.live_scene import FOLDER_VARIABLE
 from wsgen.values import dataclass
 

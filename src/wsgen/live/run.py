@@ -14,11 +14,10 @@ from wsgen.files import write_file
 from wsgen.isolation import parent
 from wsgen.live.failures import FailedProgram, read_failures
 from wsgen.live.prepare import BrokenRunError, environment_of_launch, prepared_request
-from wsgen.live.program import DOMAIN
 from wsgen.live.recording import Recorded, recording_topics
-from wsgen.live.request import ENDED_FILE, STARTING_FILE
 from wsgen.live.service_child import start_service
 from wsgen.live.video import draw_video
+from wsgen.simulation.live_runs import DOMAIN, ENDED_FILE, STARTING_FILE
 from wsgen.simulation.live_scene import UNHEARD_FILE
 from wsgen.simulation.pose_log import POSE_LOG_FILE
 from wsgen.values import dataclass

@@ -33,7 +33,7 @@ from wsgen.live.process import (
     signal_number,
 )
 from wsgen.live.programs import LeftOut, find_component
-from wsgen.live.request import ENDED_FILE, INTERRUPT, TERMINATE
+from wsgen.live.request import INTERRUPT, TERMINATE
 from wsgen.live.resolve import Resolved, Resolver, is_node
 from wsgen.live.screen import (
     LOG_FOLDER,
@@ -53,6 +53,7 @@ from wsgen.ros_environment.environment import (
     profiles_of,
     variables_of_simulator,
 )
+from wsgen.simulation.live_runs import ENDED_FILE
 
 if TYPE_CHECKING:
     import socket

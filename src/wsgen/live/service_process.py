@@ -27,11 +27,11 @@ from wsgen.live.request import (
     GO,
     NODES,
     NODES_FILE,
-    REQUEST_FILE,
     NodeServerRequest,
     ServiceRequest,
 )
 from wsgen.live.shared_memory import remove_left_behind
+from wsgen.simulation.live_runs import REQUEST_FILE
 
 Kind = TypeVar("Kind")
 CLOCK_TICK = 0.05  # s; the times of files are older than the clock by a tick of the kernel

@@ -9,7 +9,8 @@ ros_gz_image/src/image_bridge.cpp.
 
 from __future__ import annotations
 
-import signal
+import math
+import os
 import sys
 import time
 from itertools import pairwise
@@ -18,14 +19,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen import yamlfile
 from wsgen.ros_nodes.signals import ignore_ends, raise_when_ended
-from wsgen.ros_nodes.simulator_client import SimulatorClient, SimulatorError, live_folder
+from wsgen.ros_nodes.simulator_client import SimulatorClient, SimulatorError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
 NODE = "ros_gz_bridge"
 IMAGES = "--images"
-WAIT = 5.0  # s, for the simulator, between two messages
+WAIT = 5.0  # s, for the simulator, without a word
 DIRECTIONS = {"BIDIRECTIONAL": "both", "GZ_TO_ROS": "to_ros", "ROS_TO_GZ": "to_gz"}
 MARKS = {"@": "both", "[": "to_ros", "]": "to_gz"}
 ROS_ARGUMENTS, END_OF_ROS_ARGUMENTS = "--ros-args", "--"
@@ -49,14 +50,17 @@ def main() -> int:
     try:
         words, of_ros = split(sys.argv[1:])
         rules = read_rules(words, of_ros, lambda text: _log("ERROR", text))
-        client = SimulatorClient(live_folder())
-        while not client.connect(WAIT):
-            sys.stderr.write("Waiting for the simulator.\n")
-        answer = client.ask("bridge", rules=rules, node=NODE, arguments=of_ros)
-        for rule, problem in zip(rules, answer["problems"], strict=True):
-            _tell(rule, problem)
-        client.wait_until_it_ends()
-        signal.pause()  # without a simulator, the real one stays until it is ended
+        client = SimulatorClient()
+        while True:  # without a simulator, the real one waits for the next
+            if not client.connect(WAIT):
+                domain = os.environ.get("ROS_DOMAIN_ID") or "0"
+                sys.stderr.write(f"Waiting for a simulator in ROS_DOMAIN_ID {domain}.\n")
+                client.connect(math.inf)
+            answer = client.ask("bridge", rules=rules, node=NODE, arguments=of_ros)
+            for rule, problem in zip(rules, answer["problems"], strict=True):
+                _tell(rule, problem)
+            client.wait_until_it_ends()
+            client.close()
     except BadBridgeError as error:
         sys.stderr.write(f"{error}\n")
         return 255

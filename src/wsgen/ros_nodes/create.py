@@ -29,7 +29,7 @@ from std_msgs.msg import String
 from wsgen.isolation.codec import encode
 from wsgen.model.transform import Pose
 from wsgen.ros_nodes.signals import ignore_ends, raise_when_ended
-from wsgen.ros_nodes.simulator_client import SimulatorClient, SimulatorError, live_folder
+from wsgen.ros_nodes.simulator_client import SimulatorClient, SimulatorError
 from wsgen.simulation.live_scene import NewEntity
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def main() -> int:
     raise_when_ended()
     client = None
     try:
-        client = SimulatorClient(live_folder())
+        client = SimulatorClient()
         rclpy.init(args=[program, *arguments], signal_handler_options=SignalHandlerOptions.NO)
         words = rclpy.utilities.remove_ros_args([program, *arguments])[1:]
         return (_spawn_entity if program == CLASSIC else _create)(words, client)

@@ -7,10 +7,12 @@ import json
 import os
 import socket
 import time
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from wsgen.simulation.live_scene import FOLDER_VARIABLE, short_name, socket_path
+from wsgen.simulation.live_scene import short_name, socket_path
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 LOOK_EVERY = 0.05  # s, for the socket
 
@@ -24,21 +26,6 @@ class SimulatorError(Exception):
         self.hint = hint
 
 
-def live_folder() -> Path:
-    """The folder of the live run that this process belongs to.
-
-    Raises:
-        SimulatorError: It belongs to none.
-    """
-    folder = os.environ.get(FOLDER_VARIABLE)
-    if not folder:
-        raise SimulatorError(
-            f"This program has no simulator: {FOLDER_VARIABLE} is not set.",
-            "Start it with `wsgen launch PACKAGE FILE --run`.",
-        )
-    return Path(folder)
-
-
 class SimulatorEndedError(SimulatorError):
     """It does not answer any more."""
 
@@ -49,14 +36,14 @@ class SimulatorEndedError(SimulatorError):
 class SimulatorClient:
     """A connection to the simulator."""
 
-    def __init__(self, folder: Path, *, patience: float | None = None) -> None:
+    def __init__(self, folder: Path | None = None, *, patience: float | None = None) -> None:
         """Connect to that of a live run, later.
 
         Args:
-            folder: Of the run.
+            folder: Of the run; None: of that which this process then has, see `find_simulator`.
             patience: How long to wait for an answer, s; afterwards it has ended.
         """
-        self._path = socket_path(folder)
+        self._folder = folder
         self._patience = patience
         self._socket: socket.socket | None = None
         self._stream: Any = None
@@ -67,7 +54,7 @@ class SimulatorClient:
         while self._socket is None:
             made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
             try:
-                with short_name(self._path) as name:
+                with short_name(socket_path(self._found_folder())) as name:
                     made.connect(name)
             except (FileNotFoundError, ConnectionRefusedError):
                 made.close()
@@ -78,6 +65,17 @@ class SimulatorClient:
                 made.settimeout(self._patience)
                 self._socket, self._stream = made, made.makefile("rwb")
         return True
+
+    def _found_folder(self) -> Path:
+        """Raise FileNotFoundError where no live run is there."""
+        if self._folder is not None:
+            return self._folder
+        from wsgen.simulation.live_runs import find_simulator  # noqa: PLC0415  some need no search
+
+        found = find_simulator(os.environ)
+        if found is None:
+            raise FileNotFoundError
+        return found
 
     def ask(self, do: str, **values: Any) -> dict[str, Any]:
         """Have the simulator do something; gives its answer.

@@ -1,0 +1,146 @@
+"""The live runs of this machine: find one, and the simulator of a process."""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import tempfile
+import time
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wsgen.isolation.stale import PREFIX, is_held
+from wsgen.simulation.live_scene import FOLDER_VARIABLE, short_name, socket_path
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+DOMAIN = "ROS_DOMAIN_ID"
+# In the live folder: what is launched, as `wsgen.live.request` has it, in JSON.
+REQUEST_FILE = "service.json"
+# Likewise, from the beginning on: a JSON object with the `domain` of ROS, and what is `launched`.
+STARTING_FILE = "starting.json"
+# There as soon as the launch is shut down; then has the name of the video that is drawn of it.
+ENDED_FILE = "ended"
+
+
+def find_simulator(variables: Mapping[str, str]) -> Path | None:
+    """The live run whose simulator a process with these variables has; None where none is there.
+
+    It is that of its launch, if that starts one. Otherwise it is the latest in the same domain of
+    ROS, which may be started after the process.
+    """
+    own = variables.get(FOLDER_VARIABLE)
+    if own:
+        request = _request_of(Path(own))
+        if request is None or request["awaits_simulator"] or _is_alive(Path(own)):
+            return Path(own)
+    return find_live_folder(variables)
+
+
+def find_live_folder(variables: Mapping[str, str]) -> Path | None:
+    """The folder of a live run in the same domain of ROS; the latest, of several."""
+    domain = variables.get(DOMAIN) or "0"
+    found = []
+    for folder in Path(tempfile.gettempdir()).glob(f"{PREFIX}*/live"):
+        variables_of_run = _variables_of(folder)
+        if (
+            variables_of_run is not None
+            and (variables_of_run.get(DOMAIN) or "0") == domain
+            and _is_alive(folder)
+        ):
+            with suppress(OSError):  # it has just ended
+                found.append(((folder / REQUEST_FILE).stat().st_mtime, folder))
+    return max(found)[1] if found else None
+
+
+def find_runs() -> list[tuple[str, str, str, float, str]]:
+    """The live runs of this user: the domain of ROS of each, what was launched, what is drawn.
+
+    Of a run that goes on what is drawn is empty. One that has ended is there only while its video
+    is drawn; then that is its name. Next is when its nodes were started, now for one that is still
+    prepared: seconds since 1970. The last is the file that is in its folder when it has ended.
+    """
+    found = []
+    for folder in Path(tempfile.gettempdir()).glob(f"{PREFIX}*/live"):
+        run = _run_in(folder)
+        if run is not None and is_held(str(folder.parent)):
+            drawn = _drawn_after_end(folder)
+            if drawn == "":
+                continue
+            domain, launched, file = run
+            with suppress(OSError):  # it has just ended
+                begun = time.time() if file.name == STARTING_FILE else file.stat().st_mtime
+                found.append((domain, launched, drawn or "", begun, str(folder / ENDED_FILE)))
+    return sorted(found)
+
+
+def _run_in(live_folder: Path) -> tuple[str, str, Path] | None:
+    """The domain of ROS of a live run, what was launched, and the file that says it."""
+    request = _request_of(live_folder)
+    if request is not None:
+        variables = {**request["environment"], **request["variables"]}
+        return variables.get(DOMAIN) or "0", _launched(request), live_folder / REQUEST_FILE
+    file = live_folder / STARTING_FILE
+    try:
+        if live_folder.lstat().st_uid != os.getuid():  # everybody may make a folder there
+            return None
+        starting = json.loads(file.read_text(encoding="utf-8"))
+        return str(starting["domain"]), str(starting["launched"]), file
+    except (OSError, ValueError, KeyError, TypeError):  # as `_request_of`
+        return None
+
+
+def _drawn_after_end(live_folder: Path) -> str | None:
+    """The name of the video that is drawn of a run that has ended, if any; None: it goes on."""
+    try:
+        return (live_folder / ENDED_FILE).read_text(encoding="utf-8")
+    except OSError:
+        return None
+
+
+def launched_in(live_folder: Path) -> str | None:
+    """What a live run has launched, "PACKAGE FILE"; None where it has just ended."""
+    request = _request_of(live_folder)
+    return None if request is None else _launched(request)
+
+
+def _launched(request: Mapping[str, Any]) -> str:
+    file = Path(str(request["launch"].get("launch_file", "")))
+    package = request["launch"].get("package")
+    return f"{package} {file.name}" if package else str(file)
+
+
+def distro_of_run(live_folder: Path) -> str | None:
+    """ROS_DISTRO of the nodes of a live run; None where it has just ended."""
+    return (_variables_of(live_folder) or {}).get("ROS_DISTRO")
+
+
+def _variables_of(live_folder: Path) -> dict[str, str] | None:
+    """The environment of the nodes of a live run; None where that is no run of this user."""
+    request = _request_of(live_folder)
+    return None if request is None else {**request["environment"], **request["variables"]}
+
+
+def _request_of(live_folder: Path) -> dict[str, Any] | None:
+    """What the service of a live run was given; None where that is no run of this user."""
+    try:
+        if live_folder.lstat().st_uid != os.getuid():  # everybody may make a folder there
+            return None
+        request = json.loads((live_folder / REQUEST_FILE).read_text(encoding="utf-8"))
+        parts = {part: dict(request[part]) for part in ("environment", "variables")}
+        awaits = bool(request.get("awaits_simulator"))
+        return {**parts, "launch": dict(request.get("launch", {})), "awaits_simulator": awaits}
+    except (OSError, ValueError, KeyError, TypeError):  # it has just ended, or is of another wsgen
+        return None
+
+
+def _is_alive(folder: Path) -> bool:
+    try:
+        with socket.socket(socket.AF_UNIX) as client, short_name(socket_path(folder)) as name:
+            client.connect(name)
+    except OSError:
+        return False
+    return True
