@@ -1125,7 +1125,13 @@ DRIVES = (
 MESHED = STANDING.replace(
     f"<visual>{UP}{BOX}</visual>", f"<visual>{UP}<geometry>@</geometry></visual>"
 )
-MESHED_FILES = SIMULATED | {LAUNCH_FILE: ALL_OF_IT, "meshes/base.stl": "STL"}
+MESHED_FILES = SIMULATED | {
+    LAUNCH_FILE: ALL_OF_IT,
+    "meshes/base.stl": "STL",
+    "package.xml": manifest("jazzy").replace(
+        "<export>", '<export><gazebo_ros gazebo_model_path="${prefix}/.."/>'
+    ),
+}
 SDF_JOINT = '<joint name="{}" type="revolute"><parent>base</parent><child>{}</child>'
 MULTIPLIED = "<multiplier>1</multiplier><offset>0</offset><reference>0</reference>"
 CLASSIC_LAUNCH = (

@@ -1,4 +1,4 @@
-"""Where simulators find meshes, from robots and environments alone."""
+"""Where simulators find meshes, from robots and search paths alone."""
 
 from __future__ import annotations
 
@@ -8,47 +8,54 @@ import pytest
 
 from wsgen.model.plan import Process
 from wsgen.model.world import Spawn
-from wsgen.rules.resource_paths import SETTING, no_resource_path
+from wsgen.rules.resource_paths import SearchPath, mesh_packages, no_resource_path
 
 SPAWNER = Process(package="ros_gz_sim", executable="create", file=Path("a.launch.py"), line=3)
-MESH = '<robot name="r"><mesh filename="{}"/></robot>'
-OF_PACKAGE = MESH.format("package://my_robot/meshes/a.stl")
-
-
-def check(
-    text: str,
-    kinds: tuple[str, ...] = ("gz",),
-    *,
-    sets_path: bool = False,
-    **environment: str,
-) -> list[str]:
-    spawn = Spawn(entity="r", description=text, process=SPAWNER)
-    found = list(no_resource_path([spawn], kinds, environment, lambda: sets_path))
-    assert all((one.file, one.line, one.element) == (SPAWNER.file, 3, "r") for one in found)
-    return [one.name for one in found]
-
-
-@pytest.mark.parametrize("kind", ["gz", "classic"])
-def test_meshes_that_the_simulator_does_not_find(kind: str) -> None:
-    assert check(OF_PACKAGE, (kind,)) == ["no-resource-path"]
-
-
-def test_meshes_that_the_simulator_finds() -> None:
-    assert check(OF_PACKAGE, sets_path=True) == []
-    assert check(OF_PACKAGE, GZ_SIM_RESOURCE_PATH="/share") == []
-    assert check(OF_PACKAGE, ("classic",), GAZEBO_MODEL_PATH="/share") == []
-    assert check(OF_PACKAGE, ("classic", "gz")) == []
-    assert check(OF_PACKAGE, ()) == []
-    assert check(MESH.format("file:///share/my_robot/a.stl")) == []
+OF_PACKAGE = '<robot name="r"><mesh filename="package://my_robot/meshes/a.stl"/></robot>'
+EMPTY = SearchPath(folders=(), reads_exports=True)
 
 
 @pytest.mark.parametrize(
-    "text",
+    ("kind", "path", "cause", "hint"),
     [
-        b'<gazebo_ros gazebo_model_path="${prefix}/.."/>',
-        b"prepend-non-duplicate;GZ_SIM_RESOURCE_PATH;share",
-        b"SetEnvironmentVariable('GAZEBO_MODEL_PATH', path)",
+        ("gz", EMPTY, "nothing adds the folder of the package to GZ_SIM_RESOURCE_PATH", "export"),
+        ("classic", EMPTY, "nothing adds the folder of the package to GAZEBO_MODEL_PATH", "export"),
+        (
+            "gz",
+            EMPTY._replace(reads_exports=False, has_exports=True),
+            "read by the launch file of ros_gz_sim alone",
+            "AppendEnvironmentVariable('GZ_SIM_RESOURCE_PATH', os.path.join(get_package_prefix(",
+        ),
+        (
+            "gz",
+            EMPTY._replace(set_in_vain="GAZEBO_MODEL_PATH"),
+            "it reads GZ_SIM_RESOURCE_PATH, and not GAZEBO_MODEL_PATH",
+            "export",
+        ),
+        ("gz", EMPTY._replace(folders=("/a",)), "no folder of GZ_SIM_RESOURCE_PATH has", "export"),
     ],
 )
-def test_what_sets_a_search_path(text: bytes) -> None:
-    assert SETTING.search(text)
+def test_why_meshes_are_not_found(kind: str, path: SearchPath, cause: str, hint: str) -> None:
+    spawn = Spawn(entity="r", description=OF_PACKAGE, process=SPAWNER)
+    (found,) = no_resource_path([spawn], kind, path, lambda package: package == "my_robot")
+    assert (found.file, found.line, found.element) == (SPAWNER.file, 3, "r")
+    assert "does not find the meshes of package://my_robot, so that `r` is invisible" in (
+        found.message
+    )
+    assert cause in found.message
+    assert hint in (found.hint or "")
+    assert not list(no_resource_path([spawn], kind, path, lambda _: False))
+
+
+@pytest.mark.parametrize(
+    ("text", "packages"),
+    [
+        (OF_PACKAGE, ["my_robot"]),
+        (OF_PACKAGE.replace("package:", "model:"), ["my_robot"]),
+        (OF_PACKAGE.replace("package:", "file:"), []),
+        ("<mesh><uri>model://my_robot/meshes/a.dae</uri></mesh>", ["my_robot"]),
+        ("<include><uri>model://table</uri></include>", []),
+    ],
+)
+def test_what_meshes_are_looked_up_in(text: str, packages: list[str]) -> None:
+    assert mesh_packages(text) == packages

@@ -18,7 +18,6 @@ from wsgen.rules import (
     frames,
     launch_files,
     mesh_addresses,
-    resource_paths,
     simulators,
     worlds,
 )
@@ -63,7 +62,6 @@ def check_launched(  # noqa: PLR0913  most have defaults
     *,
     is_included: bool = False,
     is_known: Callable[[str], bool] = lambda _package: False,
-    sets_path: Callable[[], bool] = lambda: True,
     distro: str | None = None,
     is_installed: Callable[[str], bool] = lambda _package: True,
 ) -> Iterator[Diagnostic]:
@@ -76,7 +74,6 @@ def check_launched(  # noqa: PLR0913  most have defaults
             another terminal.
         is_included: One of these includes it: what it lacks may be there.
         is_known: Whether all that a package installs is known.
-        sets_path: Whether a package of the workspace sets the search path of a simulator.
         distro: The target, if it is known.
         is_installed: Whether a package is on this machine or in the workspace.
     """
@@ -96,8 +93,6 @@ def check_launched(  # noqa: PLR0913  most have defaults
     yield from launch_files.unused_declared_arguments(plan)
     yield from launch_files.ros_1_commands(plan)
     yield from simulators.starts_paused(plan, kinds, world.element if world else None)
-    variables = {**environment, **plan.environment}
-    yield from resource_paths.no_resource_path(started.spawns, kinds, variables, sets_path)
     found = bridges.find_bridges(plan)
     yield from found.diagnostics
     lacks_clock = tuple(simulators.no_clock(plan, kinds, found.published))
@@ -277,21 +272,6 @@ def _check_controllers(
     parameters = _parameters(file) if b"controller_manager" in content else None
     if parameters is not None:
         yield from controllers.unknown_types(file, parameters, started)
-
-
-def sets_search_path(packages: Iterable[PackageFolder]) -> bool:
-    """Whether one of the packages sets the search path of a simulator."""
-    return any(
-        resource_paths.SETTING.search(_bytes(file))
-        for package in packages
-        for file in _files(package.path, (*_SETTING_SUFFIXES, *_SETTING_FILES))
-        if file.suffix in _SETTING_SUFFIXES or file.name in _SETTING_FILES
-    )
-
-
-# Of files that may set the environment.
-_SETTING_SUFFIXES = frozenset({".bash", ".dsv", ".in", ".launch", ".py", ".sh", ".xml", ".yaml"})
-_SETTING_FILES = frozenset({"CMakeLists.txt", "Dockerfile"})
 
 
 def _check_frames(

@@ -25,7 +25,6 @@ from wsgen.pipeline.check_launched import (
     check_texts,
     check_worlds,
     loaded_worlds,
-    sets_search_path,
 )
 from wsgen.pipeline.check_severities import (
     is_included,
@@ -109,7 +108,6 @@ class PackageCheck:
         self.overlay = _as_sourced(installed.overlay, target)
         self.robots: list[DescribedRobot] = []
         self.simulators: list[str] = []
-        self.sets_search_path: bool | None = None  # not known yet
         self.descriptions: tuple[Path, ...] = ()  # robots, models and worlds of the package
         self.read: set[str] = set()  # real paths of robots and worlds
 
@@ -214,7 +212,6 @@ class PackageCheck:
                 [other.started.plan for other in candidates if other is not one],
                 is_included=is_included(one, candidates),
                 is_known=self.installed.is_known,
-                sets_path=self._sets_search_path,
                 distro=self.distro,
                 is_installed=self._is_installed,
             )
@@ -269,12 +266,6 @@ class PackageCheck:
     def _is_installed(self, package: str) -> bool:
         """Whether a package is on this machine or in the workspace."""
         return self.overlay.share(package) is not None
-
-    def _sets_search_path(self) -> bool:
-        """Whether a package of the workspaces sets the search path of a simulator; asked once."""
-        if self.sets_search_path is None:
-            self.sets_search_path = sets_search_path(self.installed.sources.values())
-        return self.sets_search_path
 
     def _note(
         self,

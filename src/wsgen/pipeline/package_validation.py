@@ -33,6 +33,7 @@ from wsgen.pipeline.prepare import (
     without_taken,
 )
 from wsgen.pipeline.requests import SelectedLaunchFile
+from wsgen.pipeline.search_path import check_search_path
 from wsgen.pipeline.simulation_result import SimulationResult
 from wsgen.pipeline.sources import name_sources
 from wsgen.pipeline.started import start
@@ -177,6 +178,9 @@ class Validation:
             started.plan,
             self._distro(environment),
             lambda package: self.overlay.share(package) is not None,
+        )
+        self.diagnostics += check_search_path(
+            started, self.overlay, environment, self.selected.workspace.values()
         )
         self.started_world = find_started_world(
             started,

@@ -1,0 +1,173 @@
+"""Where the simulator of a launch looks for the meshes of packages."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wsgen.files import read_regular, real_path
+from wsgen.launch.commands import started_launch_files, started_programs
+from wsgen.launch.simulators import simulator_kinds
+from wsgen.model.gazebo_plugins import CLASSIC, SIM
+from wsgen.rules.resource_paths import VARIABLES, SearchPath, mesh_packages, no_resource_path
+from wsgen.source_shares import may_have_sources
+from wsgen.workspace.layout import INSTALL_LAYOUT
+from wsgen.xmltree import Malformed, children, parse
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.model.plan import LaunchPlan
+    from wsgen.pipeline.started import Started
+    from wsgen.workspace.overlay import Overlay
+
+
+# The launch files that give Gazebo the exports of all package.xml, by package; up to their dot.
+_READERS = {
+    "gazebo_ros": (CLASSIC, ("gazebo", "gzserver")),
+    "ros_gz_sim": (SIM, ("gz_sim", "gz_server", "ros_gz_sim")),
+}
+LIMIT = 2**20  # bytes
+_SCRIPTS = (".bash", ".sh", ".sh.in", ".zsh")
+_BUILD_FILES = ("CMakeLists.txt", "setup.py")
+
+
+def check_search_path(
+    started: Started, overlay: Overlay, environment: Mapping[str, str], sources: Iterable[Path]
+) -> Iterator[Diagnostic]:
+    """Report robots whose meshes the simulator of the launch does not find.
+
+    Args:
+        started: What the launch file starts.
+        overlay: The packages.
+        environment: That of the launch, with what the launch file sets.
+        sources: The source folders of the workspace, as far as `overlay` does not have them.
+    """
+    plan, kinds = started.plan, simulator_kinds(started.plan)
+    own = set(overlay.packages())
+    used = {one for spawn in started.spawns for one in mesh_packages(spawn.description)} & own
+    if len(kinds) != 1 or not used:
+        return
+    (kind,) = kinds
+    folders = [*_folders(plan, kind, environment)]
+    if any(map(plan.is_unknown, folders)):
+        return
+    exports = _exports(overlay)
+    reads = _reads_exports(plan, kind)
+    other = CLASSIC if kind == SIM else SIM
+    set_here = {**plan.environment, **overlay.environment}
+    path = SearchPath(
+        folders=(*folders, *(folder for one in exports.values() for folder in one if reads)),
+        reads_exports=reads,
+        has_exports=any(exports.get(one) for one in used),
+        set_in_vain=next((name for name in VARIABLES[other] if set_here.get(name)), ""),
+    )
+    is_merged = _is_merged(overlay)
+
+    def has(package: str) -> bool:
+        share = overlay.share(package)
+        exported = [
+            folder
+            for one, given in exports.items()
+            for folder in given
+            # Each package has a prefix of its own, where wsgen has laid out one for all.
+            if one == package or is_merged or share is None or Path(folder) != share.parent
+        ]
+        places = (*folders, *(exported if reads else ()), *_models_of_home(kind, environment))
+        return any(Path(folder, package).is_dir() for folder in places)
+
+    missing = {package for package in used if not has(package)}
+    if missing and not _is_set_by_hand(kind, overlay, sources):
+        yield from no_resource_path(started.spawns, kind, path, missing.__contains__)
+
+
+def _folders(plan: LaunchPlan, kind: str, environment: Mapping[str, str]) -> Iterator[str]:
+    """The folders of the variables, as the launch and the process of the simulator have them."""
+    for variables in (environment, *(one.environment for one in started_programs(plan))):
+        for name in VARIABLES[kind]:
+            yield from filter(None, variables.get(name, "").split(os.pathsep))
+
+
+def _models_of_home(kind: str, environment: Mapping[str, str]) -> tuple[str, ...]:
+    home = environment.get("HOME")
+    return (f"{home}/.gazebo/models",) if home and kind == CLASSIC else ()
+
+
+def _reads_exports(plan: LaunchPlan, kind: str) -> bool:
+    """Whether what starts the simulator gives it the exports of package.xml."""
+    return any(
+        kind == of and include.file.name.partition(".")[0] in names
+        for include in started_launch_files(plan)
+        for of, names in (_READERS.get(include.package or "", ("", ())),)
+    ) or any(one.package == "ros_gz_sim" and kind == SIM for one in _servers(plan))
+
+
+def _servers(plan: LaunchPlan) -> Iterator[object]:
+    return (one for one in started_programs(plan) if "gzserver" in (one.executable or "").lower())
+
+
+def _exports(overlay: Overlay) -> dict[str, list[str]]:
+    """The folders of `<gazebo_ros gazebo_model_path=...>`, by the package that exports them."""
+    found: dict[str, list[str]] = {}
+    for package in overlay.packages():
+        share = overlay.share(package)
+        root = None if share is None else parse(_bytes(share / "package.xml"))
+        if share is None or root is None or isinstance(root, Malformed):
+            continue
+        for export in children(root, "export"):
+            for one in children(export, "gazebo_ros"):
+                text = (one.get("gazebo_model_path") or "").replace("${prefix}", str(share))
+                folders = map(os.path.normpath, filter(None, text.split(os.pathsep)))
+                found.setdefault(package, []).extend(folders)
+    return found
+
+
+def _is_merged(overlay: Overlay) -> bool:
+    """Whether all packages of the workspace are built into one prefix."""
+    places = (overlay.install, *(one.root / "install" for one in overlay.workspaces))
+    return any(_bytes(place / INSTALL_LAYOUT).strip() == b"merged" for place in places)
+
+
+def _is_set_by_hand(kind: str, overlay: Overlay, sources: Iterable[Path]) -> bool:
+    """Whether a script or a hook of the workspace sets a variable in a way that is not evaluated.
+
+    Somebody may have to source it. Hooks are evaluated, but for those of packages that are not
+    built, and of what no function of ament does.
+    """
+    shares = filter(None, map(overlay.share, overlay.packages()))
+    manifests = (Path(real_path(share / "package.xml")) for share in shares)
+    folders = {*(one.parent for one in manifests), *sources}
+    not_built = set(overlay.sources.values())
+    names = "|".join(VARIABLES[kind])
+    setting = re.compile(rf"(?m)^(?!\s*#).*\b(?:{names})\b".encode())
+    plain = re.compile(rf"(?m)^(?!\s*#|\s*ament_\w+_value).*\b(?:{names})\b".encode())
+    for folder in folders:
+        has_hooks = any(b"environment_hooks" in _bytes(folder / one) for one in _BUILD_FILES)
+        for file in _files(folder):
+            text = _bytes(file)
+            if ".dsv" in file.name:
+                is_set = folder in not_built and setting.search(text) is not None
+            else:
+                is_set = plain.search(text) is not None
+            is_hook = "hook" in file.parent.name or "env" in file.parent.name
+            if is_set and (has_hooks or not is_hook):
+                return True
+    return False
+
+
+def _files(folder: Path) -> Iterator[Path]:
+    for place, names, files in os.walk(folder):
+        names[:] = filter(may_have_sources, names)
+        for name in files:
+            if name.endswith((*_SCRIPTS, ".dsv", ".dsv.in")) or name == "Dockerfile":
+                yield Path(place, name)
+
+
+def _bytes(file: Path) -> bytes:
+    try:
+        return read_regular(file, LIMIT)
+    except OSError:
+        return b""
