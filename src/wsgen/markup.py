@@ -12,6 +12,7 @@ from xml.parsers import expat
 
 from wsgen.files import read_regular
 from wsgen.values import NamedTuple, lazy_pattern
+from wsgen.xmlsyntax import DEEPEST
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
 
 SIZE_LIMIT = 8 * 2**20  # bytes; the largest public xacro files have 2 % of it
+MOST_ELEMENTS = 200_000  # that many hold their paths
 # One without end goes to the end of the text: searching an end from each `<!--` would be quadratic.
 COMMENT = lazy_pattern(r"<!--.*?(?:-->|\Z)", re.DOTALL)
 
@@ -58,7 +60,10 @@ def read_text(file: Path) -> str | None:
 
 
 def elements(file: Path, text: str) -> list[Written]:
-    """All elements of the text, which `file` holds, as far as it is well-formed XML."""
+    """All elements of the text, which `file` holds, as far as it is well-formed XML.
+
+    What lies deeper or comes later than in any file that people write is left out.
+    """
     data = text.encode("utf-8")
     found: list[Written] = []
     path: list[str] = []
@@ -66,6 +71,8 @@ def elements(file: Path, text: str) -> list[Written]:
 
     def start(tag: str, attributes: dict[str, str]) -> None:
         path.append(label(tag, attributes.get("name")))
+        if len(path) > DEEPEST or len(found) >= MOST_ELEMENTS:
+            raise expat.ExpatError
         found.append(
             Written(
                 file,

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 # Least similarity of two words, as difflib measures it from 0 to 1.
 SIMILAR = 0.6
 MOST_LISTED = 8  # names in a hint
+LONGEST = 200  # letters; difflib takes as many steps as two names have letters, multiplied
 
 
 def nearest(name: str, known: Iterable[str], *, cutoff: float = SIMILAR) -> str | None:
@@ -122,7 +123,9 @@ def suggest(name: str, known: Collection[str]) -> str:
 def _similar(name: str, known: Iterable[str], most: int, cutoff: float) -> list[str]:
     from difflib import get_close_matches  # noqa: PLC0415  3 ms that only a mistake pays
 
-    names = [*known]
+    if len(name) > LONGEST:
+        return []
+    names = [one for one in known if len(one) <= LONGEST]
     # Another case is the same word, which difflib finds as different as another one: `X`, `x`.
     same = sorted({one for one in names if one != name and one.casefold() == name.casefold()})
     near = get_close_matches(name, names, n=most, cutoff=cutoff)

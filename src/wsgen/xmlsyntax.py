@@ -1,17 +1,24 @@
 """Find the mistake in a file that is not well-formed XML; a parser notices it only further down.
 
-It uses only expat of the standard library, which reads nothing but the bytes it is given.
+It uses only expat of the standard library, which reads nothing but the bytes it is given. What is
+far larger than anything that people write is refused, before a tree is made of it.
 """
 
 from __future__ import annotations
 
 import re
+from typing import TYPE_CHECKING
 from xml.parsers import expat
 
 from wsgen.suggestions import nearest
 from wsgen.values import NamedTuple, lazy_pattern
 
+if TYPE_CHECKING:
+    from typing import Any
+
 ERRORS = expat.errors
+ENCODINGS = frozenset({ERRORS.XML_ERROR_UNKNOWN_ENCODING, ERRORS.XML_ERROR_INCORRECT_ENCODING})
+DECLARED = lazy_pattern(rb"[^<]*<\?xml[^<>]*?\sencoding\s*=\s*[\"']([^\"']*)")
 UNCLOSED = frozenset({ERRORS.XML_ERROR_NO_ELEMENTS, ERRORS.XML_ERROR_UNCLOSED_TOKEN})
 LAST_TAG = lazy_pattern(rb"<([\w.:-]+)(?:[^<>\"']|\"[^\"]*\"|'[^']*')*$")  # up to the error
 OPEN_VALUE = lazy_pattern(
@@ -22,6 +29,15 @@ LONG_VALUE = lazy_pattern(rb"([\w.:-]+)\s*=\s*([\"'])(?:(?!\2).)*\s[\w.:-]+\s*=\
 BARE_VALUE = lazy_pattern(rb"([\w.:-]+)\s*=\s*$")
 LONGEST_TAG = 2000  # bytes; the patterns take their time
 
+DEEPEST = 256  # elements inside of each other; libxml2 takes as many
+MOST_ATTRIBUTES = 1000  # of an element; libxml2 looks each one up from the first
+MOST_TAGS = 2_000_000  # opening and closing; the largest public worlds have 2 % of it
+# `a=""` and a blank have five bytes: what is shorter has fewer attributes.
+LONG_TAG = lazy_pattern(
+    rb"<(?=[^<!?/][^<]{%d})(?:[^<>\"']+|\"[^\"<]*\"|'[^'<]*')*" % (5 * MOST_ATTRIBUTES)
+)
+QUOTED = lazy_pattern(rb"\"[^\"]*\"|'[^']*'")
+
 
 class Mistake(NamedTuple):
     """Why a file is not well-formed XML."""
@@ -31,8 +47,63 @@ class Mistake(NamedTuple):
     hint: str
 
 
+class _TooDeepError(Exception):
+    """Stops a parser; it does not leave this module."""
+
+
+def find_excess(data: bytes, *, with_depth: bool = False) -> Mistake | None:
+    """What of a document is larger than anything that people write; None where nothing is.
+
+    It takes a millisecond for a megabyte. It looks at the depth only if it is asked to, because
+    that takes longer, and libxml2 limits it.
+    """
+    if data.count(b"<") > MOST_TAGS:
+        return Mistake(f"it has more than {MOST_TAGS:,} tags", 1, "Split the file.")
+    for tag in LONG_TAG.finditer(data):
+        if QUOTED.sub(b"", tag[0]).count(b"=") > MOST_ATTRIBUTES:
+            return too_many_attributes(_line(data, tag.start()))
+    # What is deep and well-formed closes as many elements.
+    if not with_depth or data.count(b"</") < DEEPEST:
+        return None
+    mistake, is_deep = _read_with_lines(data, "utf-8")
+    return mistake if is_deep else None
+
+
+def too_many_attributes(line: int) -> Mistake:
+    """An element that has more than `MOST_ATTRIBUTES`."""
+    return Mistake(
+        f"an element has more than {MOST_ATTRIBUTES} attributes", line, "Remove attributes."
+    )
+
+
+def too_deep(line: int) -> Mistake:
+    """An element inside of more than `DEEPEST` others."""
+    return Mistake(
+        f"elements are nested more than {DEEPEST} deep",
+        line,
+        "Close the elements, or nest fewer of them.",
+    )
+
+
+def read_with(parser: Any, data: bytes) -> None:
+    """Have expat read a document.
+
+    Raises:
+        ExpatError: it is not well-formed, or declares an encoding that expat cannot read.
+    """
+    try:
+        parser.Parse(data, True)
+    except (ValueError, LookupError) as error:  # what Python says of the encoding
+        unknown = expat.ExpatError(str(error))
+        unknown.code = expat.errors.codes[ERRORS.XML_ERROR_UNKNOWN_ENCODING]
+        unknown.lineno, unknown.offset = 1, 0
+        raise unknown from None
+
+
 def find_mistake(data: bytes, encoding: str | None = None) -> Mistake | None:
     """The mistake in a file: where it is, and what to do; None where expat finds none.
+
+    It may also be larger than anything that people write.
 
     Args:
         data: the file.
@@ -40,18 +111,32 @@ def find_mistake(data: bytes, encoding: str | None = None) -> Mistake | None:
     """
     if not data.strip():
         return Mistake("the file is empty", 1, "Write the root element, or remove the file.")
+    return find_excess(data) or _read_with_lines(data, encoding)[0]
+
+
+def _read_with_lines(data: bytes, encoding: str | None) -> tuple[Mistake | None, bool]:
+    """The mistake in a document, and whether it is its depth."""
     parser = expat.ParserCreate(encoding)
     opened: list[tuple[str, int]] = []  # elements with their lines, the root first
-    parser.StartElementHandler = lambda tag, _: opened.append((tag, parser.CurrentLineNumber))
+
+    def start(tag: str, _: object) -> None:
+        opened.append((tag, parser.CurrentLineNumber))
+        if len(opened) > DEEPEST:
+            raise _TooDeepError
+
+    parser.StartElementHandler = start
     parser.EndElementHandler = lambda _: opened.pop()
     try:
-        parser.Parse(data, True)
+        read_with(parser, data)
     except expat.ExpatError as error:
         place = min(max(parser.ErrorByteIndex, 0), len(data))
-        return _explain(data, place, error, opened)
-    except ValueError:  # an encoding that is not known
-        return None
-    return None
+        return _explain(data, place, error, opened), False
+    except _TooDeepError:
+        return too_deep(opened[-1][1]), True
+    finally:
+        # They hold the parser, which holds them: only the garbage collector would free them.
+        parser.StartElementHandler = parser.EndElementHandler = None
+    return None, False
 
 
 def _explain(
@@ -73,6 +158,15 @@ def _explain(
             "<?xml ...?> is not at the very beginning",
             error.lineno,
             "Remove what is before it, blank lines too.",
+        )
+    elif what in ENCODINGS:
+        declared = DECLARED.match(data)
+        found = Mistake(
+            f"XML parsers do not read the encoding `{_text(declared[1])[:40]}`"
+            if declared
+            else "it is not in the encoding that it declares",
+            1,
+            'Save it as UTF-8, and write encoding="UTF-8" in the first line.',
         )
     elif what == ERRORS.XML_ERROR_JUNK_AFTER_DOC_ELEMENT:
         found = Mistake(

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from lxml import etree
 
 from wsgen.values import dataclass, lazy_pattern
-from wsgen.xmlsyntax import find_mistake
+from wsgen.xmlsyntax import find_excess, find_mistake
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -53,13 +53,15 @@ def parse(content: str | bytes) -> Element | Malformed:
     """
     data = content.encode("utf-8") if isinstance(content, str) else content
     encoding = "utf-8" if isinstance(content, str) else None
-    try:
-        return etree.fromstring(data, _parser_of(encoding, threading.get_ident()))
-    except etree.XMLSyntaxError as error:
-        mistake = find_mistake(data, encoding)
-        if mistake is not None:
-            return Malformed(message=mistake.message, line=mistake.line, hint=mistake.hint)
-        return Malformed(message=error.msg or "not well-formed", line=error.lineno or 1)
+    mistake = find_excess(data)
+    if mistake is None:
+        try:
+            return etree.fromstring(data, _parser_of(encoding, threading.get_ident()))
+        except etree.XMLSyntaxError as error:
+            mistake = find_mistake(data, encoding)
+            if mistake is None:
+                return Malformed(message=error.msg or "not well-formed", line=error.lineno or 1)
+    return Malformed(message=mistake.message, line=mistake.line, hint=mistake.hint)
 
 
 def parse_as_tinyxml(text: str) -> Element | None:
@@ -68,9 +70,12 @@ def parse_as_tinyxml(text: str) -> Element | None:
     It may have what tinyxml2, the parser of Gazebo and of robot_state_publisher, accepts: bare
     ampersands, entities and prefixes that are not declared. None where it has anything else.
     """
+    data = text.encode("utf-8")
+    if find_excess(data) is not None:
+        return None
     parser = _parser("utf-8", recover=True)
     try:
-        root = etree.fromstring(text.encode("utf-8"), parser)
+        root = etree.fromstring(data, parser)
     except etree.XMLSyntaxError:
         return None
     errors = [error for error in parser.error_log if error.type not in HARMLESS]

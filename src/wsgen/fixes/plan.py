@@ -177,15 +177,12 @@ def _is_whole(source: SourceText, text: str) -> bool:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 ast.parse(text)
-        except (SyntaxError, ValueError, RecursionError):
+        except (SyntaxError, ValueError, RecursionError, MemoryError):
             return False
     elif text.lstrip("\ufeff \t\r\n").startswith("<"):
-        from xml.parsers import expat  # noqa: PLC0415  most files need it, CMake does not
+        from wsgen.xmlsyntax import find_mistake  # noqa: PLC0415  most files need it, CMake does not
 
-        try:
-            expat.ParserCreate().Parse(text.encode(), True)
-        except expat.ExpatError:
-            return False
+        return find_mistake(text.encode()) is None
     return True
 
 

@@ -15,7 +15,15 @@ from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.files import read_regular
 from wsgen.values import NamedTuple, dataclass
 from wsgen.workspace.conditions import holds
-from wsgen.xmlsyntax import find_mistake
+from wsgen.xmlsyntax import (
+    DEEPEST,
+    MOST_ATTRIBUTES,
+    Mistake,
+    find_mistake,
+    read_with,
+    too_deep,
+    too_many_attributes,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
@@ -73,7 +81,7 @@ UNNAMED_PACKAGE = Rule(
 )
 
 SIZE_LIMIT = 2**20  # bytes; manifests are written by hand
-DEEPEST = 8  # elements inside of each other; ROS knows four
+DEEPEST_KNOWN = 8  # elements inside of each other; ROS knows four
 DEFAULT_BUILD_TYPE = "catkin"  # what colcon and catkin_pkg take where none is exported
 
 # What a dependency is for, by the element that declares it (REP 149; run_depend: REP 127).
@@ -174,9 +182,14 @@ class _Handler:
         else:
             path = self.opened[-1][0]
             # What lies deeper than any element of a manifest is not looked up by its path.
-            if len(self.opened) < DEEPEST:
+            if len(self.opened) < DEEPEST_KNOWN:
                 path = (*path, tag)
-        self.opened.append((path, self.parser.CurrentLineNumber, attributes, []))
+        line = self.parser.CurrentLineNumber
+        self.opened.append((path, line, attributes, []))
+        if len(self.opened) > DEEPEST:
+            raise _ExcessError(too_deep(line))
+        if len(attributes) > MOST_ATTRIBUTES:
+            raise _ExcessError(too_many_attributes(line))
 
     def text(self, data: str) -> None:
         self.opened[-1][3].append(data)
@@ -205,7 +218,7 @@ def _read_manifest(file: Path, parser: Any, handler: _Handler) -> Manifest | Dia
     data = b""
     try:
         data = _read(file)
-        parser.Parse(data, True)
+        read_with(parser, data)
         if handler.root == "package":
             data.decode("utf-8")  # as colcon and CMake read it, whatever encoding it declares
     except OSError as error:
@@ -222,13 +235,9 @@ def _read_manifest(file: Path, parser: Any, handler: _Handler) -> Manifest | Dia
             hint="Save it as UTF-8.",
         )
     except expat.ExpatError as error:
-        mistake = find_mistake(data)
-        return MALFORMED_MANIFEST.at(
-            file,
-            mistake.line if mistake else error.lineno,
-            message=f"package.xml is not well-formed XML: {mistake.message if mistake else error}.",
-            hint=mistake.hint if mistake else "",
-        )
+        return _malformed(file, find_mistake(data) or Mistake(str(error), error.lineno, ""))
+    except _ExcessError as error:
+        return _malformed(file, error.mistake)
     except _EntityError:
         return MALFORMED_MANIFEST.at(
             file,
@@ -237,6 +246,15 @@ def _read_manifest(file: Path, parser: Any, handler: _Handler) -> Manifest | Dia
             hint="Replace the entity by its text.",
         )
     return _make_manifest(handler, file)
+
+
+def _malformed(file: Path, mistake: Mistake) -> Diagnostic:
+    return MALFORMED_MANIFEST.at(
+        file,
+        mistake.line,
+        message=f"package.xml is not well-formed XML: {mistake.message}.",
+        hint=mistake.hint,
+    )
 
 
 def _read(file: Path) -> bytes:
@@ -283,6 +301,14 @@ def _build_type(found: tuple[Entry, ...]) -> str:
 
 class _EntityError(Exception):
     """Stops the parser; it does not leave this module."""
+
+
+class _ExcessError(Exception):
+    """Stops the parser where a manifest is larger than any; it does not leave this module."""
+
+    def __init__(self, mistake: Mistake) -> None:
+        super().__init__(mistake.message)
+        self.mistake = mistake
 
 
 def _refuse_entity(*_declaration: object) -> None:

@@ -16,18 +16,23 @@ import time
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
+from xml.parsers.expat import ExpatError
 
 import xacro
 
-from wsgen.files import refuse_irregular
+from wsgen.files import read_regular, refuse_irregular
 from wsgen.source_shares import note_use
 from wsgen.values import NamedTuple
 from wsgen.xacro.result import Expansion, ExpansionError, UnusedArgument
+from wsgen.xmlsyntax import find_excess
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from wsgen.xacro.result import ExpansionRequest
+
+
+LARGEST = 2**25  # bytes that are looked at before xacro reads them
 
 
 class _YamlWhenUsed(ModuleType):
@@ -59,6 +64,23 @@ def _open_regular(file: Any, mode: str = "r", **keywords: Any) -> Any:
 
 
 xacro.open = _open_regular  # what it finds before the built-in one
+_parse_any = xacro.parse
+
+
+def _parse_usual(inp: Any, filename: Any = None) -> Any:
+    """`xacro.parse`, which makes no tree of what is larger than anything that people write."""
+    if inp is None:
+        with contextlib.suppress(OSError, ValueError):
+            data = read_regular(Path(xacro.root_dir, filename), LARGEST)
+            mistake = find_excess(data, with_depth=True)
+            if mistake is not None:
+                error = ExpatError(mistake.message)
+                error.lineno = mistake.line
+                raise error
+    return _parse_any(inp, filename)
+
+
+xacro.parse = _parse_usual
 
 
 class CommandResult(NamedTuple):

@@ -17,7 +17,7 @@ from launch.frontend.template import parse_if_substitutions, parse_substitution,
 from launch.launch_description import LaunchDescription
 from wsgen.files import refuse_irregular
 from wsgen.launch.record import RECORD, locate
-from wsgen.xmlsyntax import find_mistake
+from wsgen.xmlsyntax import DEEPEST, MOST_ATTRIBUTES, find_mistake, read_with
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -224,6 +224,8 @@ def read_xml(text: bytes, file: str) -> XmlEntity:
     ancestors: list[XmlEntity] = []
 
     def begin(tag: str, attributes: dict[str, str]) -> None:
+        if len(ancestors) >= DEEPEST or len(attributes) > MOST_ATTRIBUTES:
+            raise expat.ExpatError  # `find_mistake` says the same
         entity = XmlEntity(tag, (file, parser.CurrentLineNumber), attributes)
         (ancestors[-1].elements if ancestors else root).append(entity)
         ancestors.append(entity)
@@ -231,14 +233,11 @@ def read_xml(text: bytes, file: str) -> XmlEntity:
     parser.StartElementHandler = begin
     parser.EndElementHandler = lambda _tag: ancestors.pop()
     try:
-        parser.Parse(text, True)
+        read_with(parser, text)
     except expat.ExpatError as error:
         mistake = find_mistake(text)
-        what, line, hint = mistake or (error, error.lineno, LOOK_AT_XML)
+        what, line, hint = mistake or (error, parser.CurrentLineNumber, LOOK_AT_XML)
         raise NotMarkupError(f"not well-formed XML: {what}", line, hint) from None
-    except ValueError as error:  # an encoding that is not known, entities that multiply
-        reason = f"not well-formed XML: {error}"
-        raise NotMarkupError(reason, parser.CurrentLineNumber, LOOK_AT_XML) from None
     return root[0]
 
 
