@@ -17,7 +17,6 @@ from wsgen.pipeline.check_launched import (
     check_launched,
     check_worlds,
     loaded_worlds,
-    sets_search_path,
 )
 from wsgen.pipeline.check_sources import check_sources
 from wsgen.rules.target import target_of
@@ -70,7 +69,6 @@ def _of_launched(
         overlay.environment,
         validation.selected.beside,
         is_known=lambda name: name not in overlay.sources and overlay.share(name) is not None,
-        sets_path=lambda: sets_search_path(overlay.written),
         distro=distro,
         is_installed=lambda name: overlay.share(name) is not None,
     )

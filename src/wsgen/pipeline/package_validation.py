@@ -48,7 +48,6 @@ from wsgen.rules.named_worlds import (
     unknown_world,
     world_not_here,
 )
-from wsgen.rules.simulators import no_classic
 from wsgen.sdf.lookup import find_world, is_brought_along, is_there
 from wsgen.sdf.source import is_sdf
 from wsgen.sdf.worlds import DEFAULT_WORLD
@@ -174,11 +173,6 @@ class Validation:
             *(model.name for model in world.models if model.name),
         }
         prepared = self._describe(started, context, environment, in_world)
-        self.diagnostics += no_classic(
-            started.plan,
-            self._distro(environment),
-            lambda package: self.overlay.share(package) is not None,
-        )
         self.diagnostics += check_search_path(
             started, self.overlay, environment, self.selected.workspace.values()
         )
