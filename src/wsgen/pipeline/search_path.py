@@ -76,6 +76,9 @@ def check_search_path(
             # Each package has a prefix of its own, where wsgen has laid out one for all.
             if one == package or is_merged or share is None or Path(folder) != share.parent
         ]
+        # The folder of a package that is not built may have another name.
+        if reads and share in overlay.sources.values() and str(share.parent) in exported:
+            return True
         places = (*folders, *(exported if reads else ()), *_models_of_home(kind, environment))
         return any(Path(folder, package).is_dir() for folder in places)
 
