@@ -307,6 +307,13 @@ def test_the_first_picture_is_about_the_robots_and_shows_what_is_near(tmp_path: 
     assert is_red.mean() > 0.02
     assert is_blue(with_static_models).sum() == pytest.approx(is_blue(alone).sum(), rel=0.05)
     assert is_blue(as_robots).sum() < 0.8 * is_blue(alone).sum()
+    # A car of the world that can drive is seen beside the robot, and makes it no smaller.
+    car = piece(Box(size=(8.0, 2.0, 2.0)), at=Pose((0.0, 4.0, 1.0)), name="car")
+    with_car, _ = photograph(tmp_path, robot, replace(car, is_of_world=True))
+    assert is_blue(with_car).sum() == pytest.approx(is_blue(alone).sum(), rel=0.05)
+    # A world by itself is seen whole.
+    whole, _ = photograph(tmp_path, *(replace(one, is_of_world=True) for one in (robot, car)))
+    assert is_blue(whole).sum() < 0.5 * is_blue(alone).sum()
 
 
 def test_a_static_model_before_a_robot_does_not_hide_it(tmp_path: Path) -> None:

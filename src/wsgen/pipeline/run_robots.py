@@ -460,6 +460,7 @@ def spawned_robots(runnable: Iterable[PreparedRobot]) -> tuple[SpawnedRobot, ...
             pose_in_world=robot.spawn_pose,
             on_the_ground=robot.on_the_ground,
             is_static_model=robot.is_static_model,
+            is_of_world=robot.may_move,
             drive=robot.drive,
         )
         for robot in runnable

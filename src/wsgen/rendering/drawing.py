@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 from wsgen.errors import WsgenError
 from wsgen.isolation.child import announce
 from wsgen.model.scene_view import SceneView
+from wsgen.rendering.render_items import subjects
 from wsgen.rendering.recording import Recorder, why_no_video
 from wsgen.simulation.scene import DRAWING, RECORDING, NotDrawn, Picture
 from wsgen.values import dataclass
@@ -87,12 +88,11 @@ def draw(
     if scene.record is not None and recorder is None:
         problem = why_no_video(scene.record)
     drawings = Drawings(video=None if problem is None else NotDrawn(problem=problem))
-    has_static_models = any(
-        robot.is_static_model for robot in scene.robots if robot.entity not in refused
-    )
+    seen = subjects(scene)
+    has_others = any(robot not in seen for robot in scene.robots if robot.entity not in refused)
     wanted = {
         "picture": scene.picture is not None,
-        "world_picture": scene.world_picture is not None and has_static_models,
+        "world_picture": scene.world_picture is not None and has_others,
         "video": recorder is not None,
         "view": bool(scene.view_triangles),
     }
@@ -100,7 +100,7 @@ def draw(
         return drawings
     announce(DRAWING)
     try:
-        drawn = _draw_all(scene, refused, recorder, standing, has_static_models=has_static_models)
+        drawn = _draw_all(scene, refused, recorder, standing, has_others=has_others)
     except Exception as error:  # noqa: BLE001  whatever it is, the simulation counts without pictures
         not_drawn = NotDrawn(problem=_reason(error))
         return replace(
@@ -115,7 +115,7 @@ def _draw_all(
     recorder: Recorder | None,
     standing: StandingPoses,
     *,
-    has_static_models: bool,
+    has_others: bool,
 ) -> Drawings:
     # Loading NumPy and Pillow would cost every simulation as much as it takes itself.
     from wsgen.rendering.scene_renderer import SceneRenderer  # noqa: PLC0415
@@ -125,7 +125,7 @@ def _draw_all(
     if scene.picture is not None:
         file = scene.picture
         picture = drawn(lambda: Picture(tile=scene_renderer.draw(file)))
-    if scene.world_picture is not None and has_static_models:
+    if scene.world_picture is not None and has_others:
         world_file = scene.world_picture
         world_picture = drawn(lambda: Picture(tile=scene_renderer.draw_world(world_file)))
     if scene.view_triangles:  # before the video moves everything

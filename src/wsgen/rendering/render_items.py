@@ -63,8 +63,12 @@ def list_render_items(scene: Scene, refused: Container[str]) -> list[RenderItem]
 
 
 def subjects(scene: Scene) -> Sequence[SpawnedRobot]:
-    """The robots that a picture is about: all, where there are only static models."""
-    return [robot for robot in scene.robots if not robot.is_static_model] or scene.robots
+    """The robots that a picture is about: those that are spawned into the world, if any are.
+
+    Else those in the file of the world; all, where there are only static models.
+    """
+    robots = [robot for robot in scene.robots if not robot.is_static_model]
+    return [robot for robot in robots if not robot.is_of_world] or robots or scene.robots
 
 
 def _of_robot(robot: SpawnedRobot, *, is_subject: bool) -> list[RenderItem]:

@@ -36,6 +36,7 @@ class SpawnedRobot:
     pose_in_world: Pose = IDENTITY  # of the root link's frame
     on_the_ground: bool = False  # spawned at that pose, but as low as it can stand
     is_static_model: bool = False  # a part of the world: pictures are not about it
+    is_of_world: bool = False  # in the file of the world: pictures are about what is spawned there
     drive: DiffDrive | None = None  # its plugin keeps the wheels still while nobody drives them
 
 
