@@ -28,6 +28,7 @@ from wsgen.meshes.requests import (
 )
 from wsgen.meshes.stl import write_stl
 from wsgen.meshes.worker import READ, read_mesh
+from wsgen.model.robot import MeshPart
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -76,6 +77,50 @@ def inspect_materials(file: Path, folder: Path) -> InspectedMesh | UnusableMesh:
 def box_of(file: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
     points = read_mesh(Path(file)).corners.reshape(-1, 3)
     return tuple(points.min(axis=0).tolist()), tuple(points.max(axis=0).tolist())
+
+
+LID = "v 0 0 9\nv 4 0 9\nv 0 2 9\nf -3 -2 -1\n"
+PARTS_OBJ = mesh_samples.obj().replace(b"\nf", b"\no Body\nf", 1).decode() + f"g Lid of it\n{LID}"
+PARTS_DAE = mesh_samples.dae(
+    node=f'<node name="Body">{mesh_samples.PLACED}</node><node name="Lid of it">'
+    f"<translate>5 0 9</translate>{mesh_samples.PLACED}</node>"
+)
+
+
+@pytest.mark.parametrize("name", ["parts.obj", "parts.dae"])
+def test_a_part_of_a_file_is_read_alone(tmp_path: Path, name: str) -> None:
+    file = write(tmp_path, name, PARTS_OBJ if name.endswith("obj") else PARTS_DAE)
+    whole = read_mesh(file).corners
+    body = read_mesh(file, MeshPart("Body"), with_materials=True)
+    assert len(body.corners) == sum(len(patch.corners) for patch in body.patches) == 12
+    is_low = whole[:, 0, 2] < 5
+    assert np.array_equal(body.corners, whole[is_low])
+    lid = read_mesh(file, MeshPart("Lid of it")).corners
+    assert np.array_equal(lid, whole[~is_low])
+    centered = read_mesh(file, MeshPart("Lid of it", is_centered=True), with_materials=True)
+    middle = (lid.reshape(-1, 3).min(axis=0) + lid.reshape(-1, 3).max(axis=0)) / 2
+    assert np.allclose(centered.corners, lid - middle)
+    assert np.allclose(centered.patches[0].corners, centered.corners)
+
+    part = MeshPart("Lid of it")
+    request = MeshRequest(path=str(file), part=part, is_collision=True, is_visual=True)
+    (answer,) = worker.inspect([request], tmp_path)
+    assert isinstance(answer, InspectedMesh)
+    assert (answer.triangles, answer.low[2]) == (len(lid), lid[..., 2].min())
+    for engines in (answer.collision, answer.visual):
+        assert np.allclose(read_mesh(Path(engines)).corners, lid)
+
+
+def test_a_part_that_a_file_does_not_have(tmp_path: Path) -> None:
+    file = write(tmp_path, "parts.obj", PARTS_OBJ)
+    with pytest.raises(BrokenMeshError) as caught:
+        read_mesh(file, MeshPart("Lit"))
+    assert "`Lit`" in caught.value.problem
+    assert caught.value.hint == "Write the name of one of its parts: `Body`, `Lid of it`."
+    file = write(tmp_path, "box.stl", mesh_samples.binary_stl())
+    with pytest.raises(BrokenMeshError) as caught:
+        read_mesh(file, MeshPart("Body"))
+    assert "Remove <submesh>" in caught.value.hint
 
 
 # Name, content, triangles, and which of the two (collision, visual) is written anew.

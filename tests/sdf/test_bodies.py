@@ -160,6 +160,15 @@ def test_meshes(read: Read, models: Path, uri: str) -> None:
     )
 
 
+def test_a_part_of_a_mesh(read: Read, models: Path) -> None:
+    (models.parent / "car.obj").touch()
+    part = "<submesh><name>door</name><center>true</center></submesh>"
+    mesh = f"<geometry><mesh><uri>car.obj</uri>{part}</mesh></geometry>"
+    link = link_of(read(model(f'{MASS}<visual name="v">{mesh}</visual>')))
+    assert isinstance(link.visuals[0].geometry, Mesh)
+    assert link.visuals[0].geometry.part == ("door", True)
+
+
 @pytest.mark.parametrize("uri", ["no.stl", "model://no/x.stl", "https://x/y.stl", "", "a" * 5000])
 @pytest.mark.parametrize(
     ("tag", "code", "severity"),

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import NDArray
 
     from wsgen.meshes.requests import MaterialProblem, Rgba
@@ -51,6 +53,24 @@ def refuse_lfs_pointer(data: bytes) -> None:
             "is a pointer of Git LFS, which stands for the file",
             hint="Download the file: git lfs install, then git lfs pull.",
         )
+
+
+MOST_PARTS = 5  # are named
+
+
+def check_part(part: str, parts: Iterable[str]) -> None:
+    """Raise BrokenMeshError where a file does not have the part of that name."""
+    named = sorted(set(parts))
+    if part in named:
+        return
+    some = ", ".join(f"`{name}`" for name in named[:MOST_PARTS])
+    more = f" and {len(named) - MOST_PARTS} more" if len(named) > MOST_PARTS else ""
+    raise BrokenMeshError(
+        f"has no part with the name `{part}`, which <submesh> gives: Gazebo leaves it out",
+        hint=f"Write the name of one of its parts: {some}{more}."
+        if some
+        else "Remove <submesh>: the file has no parts with names.",
+    )
 
 
 def refuse_triangles(count: int) -> None:

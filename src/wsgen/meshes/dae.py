@@ -15,6 +15,7 @@ from wsgen.meshes.content import (
     Content,
     Material,
     Patch,
+    check_part,
     parse_floats,
     parse_integers,
     refuse_triangles,
@@ -404,8 +405,11 @@ def is_dae(data: bytes) -> bool:
     return b"<COLLADA" in data[:4096]
 
 
-def read_dae(data: bytes, folder: Path | None = None) -> Content:
-    """The triangles of a COLLADA file's scene; with their materials if its `folder` is given."""
+def read_dae(data: bytes, folder: Path | None = None, part: str | None = None) -> Content:
+    """The triangles of a COLLADA file's scene, or of one of its nodes.
+
+    With their materials if its `folder` is given.
+    """
     root = parse_numbers(data)
     if isinstance(root, Malformed):
         raise BrokenMeshError(
@@ -413,7 +417,7 @@ def read_dae(data: bytes, folder: Path | None = None) -> Content:
         )
     if root.tag.rpartition("}")[2] != "COLLADA":
         raise BrokenMeshError("is XML, but not COLLADA: Gazebo and PyBullet crash on it")
-    return _Scene(root, with_materials=folder is not None).read()
+    return _Scene(root, with_materials=folder is not None).read(part)
 
 
 class _Scene:
@@ -428,11 +432,16 @@ class _Scene:
         self.is_plain = True
         self.inconsistency: str | None = None
 
-    def read(self) -> Content:
+    def read(self, part: str | None) -> Content:
         scale = self._unit()
         parts = []
         triangles = 0
-        for instance, matrix in self._places():
+        places = list(self._places())
+        if part is not None:
+            check_part(part, (name for _, _, name in places))
+        for instance, matrix, name in places:
+            if part not in {None, name}:
+                continue
             geometry = self._geometry(instance.get("url", ""))
             triangles += len(geometry.corners)
             refuse_triangles(triangles)
@@ -503,22 +512,26 @@ class _Scene:
             return 1.0
         return float(_floats(meter, 1, "the unit")[0])
 
-    def _places(self) -> Iterator[tuple[Element, Matrix]]:
-        """What the scene places: each <instance_geometry>, with the node's pose."""
-        waiting = [(node, np.eye(4), 0) for node in reversed(self._top_nodes())]
+    def _places(self) -> Iterator[tuple[Element, Matrix, str]]:
+        """What the scene places: each <instance_geometry>, with the node's pose and name.
+
+        A node without a name has that of the node that it is in.
+        """
+        waiting = [(node, np.eye(4), 0, "") for node in reversed(self._top_nodes())]
         for _ in range(NODE_LIMIT):
             if not waiting:
                 return
-            node, parent, depth = waiting.pop()
+            node, parent, depth, outer = waiting.pop()
+            name = node.get("name") or node.get("id") or outer
             matrix = parent @ _transform(node)
             self.is_plain &= np.allclose(parent @ _transform_in_pybullet(node), matrix)
             for instance in children(node, "instance_geometry"):
-                yield instance, matrix
+                yield instance, matrix, name
             for instance in children(node, "instance_node"):
                 self.is_plain = False  # PyBullet passes it over
                 inner = self.ids.find(instance.get("url", ""), "a node")
-                waiting.append((inner, matrix, depth + 1))
-            waiting += [(inner, matrix, depth) for inner in children(node, "node")]
+                waiting.append((inner, matrix, depth + 1, name))
+            waiting += [(inner, matrix, depth, name) for inner in children(node, "node")]
             if depth > len(self.ids):
                 break
         if waiting:

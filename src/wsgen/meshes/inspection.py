@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 
     from wsgen.isolation.parent import Run
     from wsgen.meshes.requests import ColoredMesh
-    from wsgen.model.robot import Collision, Link, Robot, Visual
+    from wsgen.model.robot import Collision, Link, MeshPart, Robot, Visual
+    from wsgen.model.transform import Vector
 
 
 BROKEN_COLLISION_MESH = Rule(
@@ -124,6 +125,9 @@ RECENT_FORMATS = {
 }
 
 
+Asked = tuple[str, "MeshPart | None"]  # a path, and a part of that file if it is not all of it
+
+
 class MeshUse(NamedTuple):
     """A mesh in a link."""
 
@@ -131,6 +135,11 @@ class MeshUse(NamedTuple):
     mesh: Mesh
     path: str
     is_visual: bool
+
+    @property
+    def asked(self) -> Asked:
+        """What of which file is inspected."""
+        return self.path, self.mesh.part
 
     @property
     def kind(self) -> str:
@@ -224,9 +233,9 @@ LIMITS = Limits(seconds=30.0, memory=2 * 2**30)  # of all meshes of a robot
 HINT = "Open the mesh in a viewer; export it again or reduce its triangles."
 DEATHS = 3  # after so many meshes that the child dies of, the others are not read
 
-Answers = dict[str, InspectedMesh | UnusableMesh]  # by path
-# By path, and whether it is painted in a color of the description.
-Colored = dict[tuple[str, bool], tuple["ColoredMesh", ...]]
+Answers = dict[Asked, InspectedMesh | UnusableMesh]
+# By what is asked for, and whether it is painted in a color of the description.
+Colored = dict[tuple[Asked, bool], tuple["ColoredMesh", ...]]
 
 
 def inspect_meshes(
@@ -258,9 +267,9 @@ def inspect_meshes(
         return robot, ()
     answers = _ask(requests, Path(tempfile.mkdtemp(prefix="meshes-", dir=folder)), run)
     colored: Colored = {
-        (request.path, is_painted): meshes
+        ((request.path, request.part), is_painted): meshes
         for request in requests
-        if isinstance(answer := answers[request.path], InspectedMesh)
+        if isinstance(answer := answers[request.path, request.part], InspectedMesh)
         for is_painted, meshes in zip(request.showings, answer.colored, strict=True)
     }
     found: dict[Diagnostic, None] = {}  # one file may be seen several times in a link
@@ -269,7 +278,7 @@ def inspect_meshes(
         visuals = [visual for one in link.visuals for visual in _new_visuals(one, answers, colored)]
         collisions = [_new_collision(one, answers) for one in link.collisions]
         for use in _uses(link):
-            found |= dict.fromkeys(check_use(use, answers[use.path], file))
+            found |= dict.fromkeys(check_use(use, answers[use.asked], file))
         links.append(replace(link, visuals=tuple(visuals), collisions=tuple(collisions)))
     return replace(robot, links=tuple(links)), tuple(found)
 
@@ -285,20 +294,22 @@ def _uses(link: Link) -> Iterator[MeshUse]:
 def _requests(robot: Robot, *, with_colors: bool) -> list[MeshRequest]:
     """Each file once, with what it is used for."""
     uses = [use for link in robot.links for use in _uses(link)]
-    touched = {use.path for use in uses if not use.is_visual}
-    seen = {use.path for use in uses if use.is_visual}
-    showings: dict[str, dict[bool, None]] = {}
+    touched = {use.asked for use in uses if not use.is_visual}
+    seen = {use.asked for use in uses if use.is_visual}
+    showings: dict[Asked, dict[bool, None]] = {}
     for visual in (one for link in robot.links for one in link.visuals if with_colors):
         if isinstance(visual.geometry, Mesh) and visual.geometry.path is not None:
-            showings.setdefault(visual.geometry.path, {})[visual.rgba is not None] = None
+            asked = visual.geometry.path, visual.geometry.part
+            showings.setdefault(asked, {})[visual.rgba is not None] = None
     return [
         MeshRequest(
-            path=path,
-            is_collision=path in touched,
-            is_visual=path in seen and not with_colors,
-            showings=tuple(showings.get(path, ())),
+            path=asked[0],
+            part=asked[1],
+            is_collision=asked in touched,
+            is_visual=asked in seen and not with_colors,
+            showings=tuple(showings.get(asked, ())),
         )
-        for path in dict.fromkeys(use.path for use in uses)
+        for asked in dict.fromkeys(use.asked for use in uses)
     ]
 
 
@@ -310,8 +321,8 @@ def _ask(requests: Sequence[MeshRequest], folder: Path, run: Run) -> Answers:
         outcome = run(TASK, waiting, folder, limits=LIMITS)
         if not isinstance(outcome, Died):
             decoded = decode(outcome.value, tuple[InspectedMesh | UnusableMesh, ...])
-            paths = [request.path for request in waiting]
-            return {**answers, **dict(zip(paths, decoded, strict=True))}
+            asked = [(request.path, request.part) for request in waiting]
+            return {**answers, **dict(zip(asked, decoded, strict=True))}
         if not outcome.step.isdecimal():  # it died before it came to the first
             problem = f"was not read, as the reader {outcome.reason}"
             return {**answers, **_refused(waiting, problem, outcome.hint(HINT))}
@@ -335,7 +346,7 @@ def read_surfaces(paths: Iterable[str], *, folder: Path, run: Run = parent.run) 
     answers = _ask(requests, Path(tempfile.mkdtemp(prefix="surfaces-", dir=folder)), run)
     return {
         path: meshes[0].path
-        for path, answer in answers.items()
+        for (path, _), answer in answers.items()
         if isinstance(answer, InspectedMesh)
         for meshes in answer.colored
         if meshes
@@ -343,7 +354,8 @@ def read_surfaces(paths: Iterable[str], *, folder: Path, run: Run = parent.run) 
 
 
 def _refused(requests: Sequence[MeshRequest], problem: str, hint: str = HINT) -> Answers:
-    return {request.path: UnusableMesh(problem=problem, hint=hint) for request in requests}
+    refused = UnusableMesh(problem=problem, hint=hint)
+    return {(request.path, request.part): refused for request in requests}
 
 
 def _new_visuals(visual: Visual, answers: Answers, colored: Colored) -> Iterator[Visual]:
@@ -352,10 +364,10 @@ def _new_visuals(visual: Visual, answers: Answers, colored: Colored) -> Iterator
     if not isinstance(mesh, Mesh) or mesh.path is None:
         yield visual
         return
-    answer = answers[mesh.path]
+    answer = answers[mesh.path, mesh.part]
     if isinstance(answer, UnusableMesh):
         return
-    parts = colored.get((mesh.path, visual.rgba is not None))
+    parts = colored.get(((mesh.path, mesh.part), visual.rgba is not None))
     if parts is None:  # its colors were not asked for
         yield replace(visual, geometry=_with_file(mesh, answer.visual, answer))
         return
@@ -363,7 +375,7 @@ def _new_visuals(visual: Visual, answers: Answers, colored: Colored) -> Iterator
         bounds = (part.low, part.high)
         yield replace(
             visual,
-            geometry=replace(mesh, path=part.path, bounds=bounds, triangles=part.triangles),
+            geometry=_taken(mesh, part.path, bounds, part.triangles),
             rgba=visual.rgba if part.rgba is None else part.rgba,
             texture=part.texture,
         )
@@ -373,12 +385,16 @@ def _new_collision(collision: Collision, answers: Answers) -> Collision:
     mesh = collision.geometry
     if not isinstance(mesh, Mesh) or mesh.path is None:
         return collision
-    answer = answers[mesh.path]
+    answer = answers[mesh.path, mesh.part]
     if isinstance(answer, UnusableMesh):
         return replace(collision, geometry=replace(mesh, path=None))
     return replace(collision, geometry=_with_file(mesh, answer.collision, answer))
 
 
 def _with_file(mesh: Mesh, path: str, answer: InspectedMesh) -> Mesh:
-    bounds = (answer.low, answer.high)
-    return replace(mesh, path=path, bounds=bounds, triangles=answer.triangles)
+    return _taken(mesh, path, (answer.low, answer.high), answer.triangles)
+
+
+def _taken(mesh: Mesh, path: str, bounds: tuple[Vector, Vector], triangles: int) -> Mesh:
+    """The mesh with a file that has nothing but what is shown or touched."""
+    return replace(mesh, path=path, part=None, bounds=bounds, triangles=triangles)

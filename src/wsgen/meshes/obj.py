@@ -14,6 +14,7 @@ from wsgen.meshes.content import (
     EnormousMeshError,
     Material,
     Patch,
+    check_part,
     parse_floats,
     parse_integers,
     refuse_triangles,
@@ -302,8 +303,8 @@ def is_obj(data: bytes) -> bool:
     return VERTEX_LINE.search(data) is not None
 
 
-def read_obj(data: bytes, folder: Path | None = None) -> Content:
-    """The triangles of an OBJ file; with their materials if its `folder` is given.
+def read_obj(data: bytes, folder: Path | None = None, part: str | None = None) -> Content:
+    """The triangles of an OBJ file, or of one part; with their materials if its `folder` is given.
 
     PyBullet and Gazebo use an index that is out of range, and crash or read other memory.
     """
@@ -311,6 +312,8 @@ def read_obj(data: bytes, folder: Path | None = None) -> Content:
     if data.count(b" ") + data.count(b"\n") > WORD_LIMIT:
         raise EnormousMeshError(f"has more than {WORD_LIMIT:,} words")
     lines = _lines(data)
+    if part is not None:
+        lines = _of_part(lines, part)
     vertices = [line for line in lines if line.startswith(b"v ")]
     faces = [line for line in lines if line.startswith(b"f ")]
     points = read_rows(vertices, COORDINATES, "vertex")
@@ -345,6 +348,25 @@ def _lines(data: bytes) -> list[bytes]:
     if b"\n " in data or data.startswith(b" "):
         return [line.lstrip() for line in data.split(b"\n")]
     return data.split(b"\n")
+
+
+def _of_part(lines: Sequence[bytes], part: str) -> list[bytes]:
+    """The lines without the faces of other objects and groups; the last of both names a face.
+
+    Faces before the first of them are of a part without a name.
+    """
+    kept, names, name = [], set(), ""
+    for line in lines:
+        if line.startswith((b"o ", b"g ")):
+            name = line[2:].strip().decode("utf-8", errors="replace")
+        elif not line.startswith(b"f "):
+            kept.append(line)
+        else:
+            names.add(name)
+            if name == part:
+                kept.append(line)
+    check_part(part, filter(None, names))
+    return kept
 
 
 def _cut(indices: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -6,6 +6,7 @@ Lengths are in m. A problem goes on after the name of the mesh or shape.
 from __future__ import annotations
 
 from wsgen.diagnostics import Rule, Severity
+from wsgen.model.robot import MeshPart  # noqa: TC001
 from wsgen.model.transform import Vector  # noqa: TC001
 from wsgen.values import dataclass
 
@@ -68,6 +69,7 @@ class MeshRequest:
     """A mesh file to inspect, and what it is used for."""
 
     path: str
+    part: MeshPart | None = None  # of the file; None: all of it
     is_collision: bool
     is_visual: bool  # seen, and its materials are not asked for
     # The ways in which it is seen with its materials: True where all of it has one color, which is

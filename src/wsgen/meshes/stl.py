@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wsgen.meshes.content import BrokenMeshError, Content, Patch, flat_normals, parse_floats
+from wsgen.meshes.content import (
+    BrokenMeshError,
+    Content,
+    Patch,
+    check_part,
+    flat_normals,
+    parse_floats,
+)
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -38,11 +45,13 @@ def is_stl(data: bytes) -> bool:
     return _binary_size(data) == len(data) or _is_text(data)
 
 
-def read_stl(data: bytes, folder: Path | None = None) -> Content:
-    """The triangles of an STL file; with their materials if its `folder` is given.
+def read_stl(data: bytes, folder: Path | None = None, part: str | None = None) -> Content:
+    """The triangles of an STL file, which has no parts; with their materials if its `folder` is.
 
     PyBullet leaves out one that is text, or has bytes behind its triangles.
     """
+    if part is not None:
+        check_part(part, ())
     size = _binary_size(data)
     if size != len(data) and _is_text(data):
         corners = _read_text(data)

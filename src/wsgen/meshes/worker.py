@@ -25,6 +25,7 @@ from wsgen.meshes.content import (
     Material,
     Patch,
     bounds_of,
+    check_part,
     damaged,
     flat_normals,
     refuse_lfs_pointer,
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from wsgen.model.robot import MeshPart
     from wsgen.model.transform import Vector
 
 
@@ -73,7 +75,7 @@ class _Neighbors:
 
 
 def read_with_library(
-    data: bytes, kind: str, folder: Path, *, with_materials: bool = False
+    data: bytes, kind: str, folder: Path, part: str | None = None, *, with_materials: bool = False
 ) -> Content:
     """The triangles of all meshes of the file, in its own frame; with their materials if asked for.
 
@@ -83,6 +85,7 @@ def read_with_library(
         data: The bytes of the file.
         kind: `glb`, `gltf` or `ply`.
         folder: Where the file is, and those that it names.
+        part: The name of the only node to read.
         with_materials: Whether to read materials and normals as well.
     """
     # It takes longer to import than most robots' meshes to read, and is seldom needed.
@@ -99,8 +102,13 @@ def read_with_library(
         scene = trimesh.load_scene(
             BytesIO(data), file_type=kind, resolver=cast("Any", _Neighbors(folder)), process=False
         )
-        corners = np.asarray(scene.to_mesh().triangles, dtype=np.float64)
-        patches = tuple(_patches(scene)) if with_materials else ()
+        if part is not None:
+            check_part(part, scene.graph.nodes_geometry)
+        patches = tuple(_patches(scene, part)) if with_materials or part is not None else ()
+        if part is None:
+            corners = np.asarray(scene.to_mesh().triangles, dtype=np.float64)
+        else:
+            corners = np.concatenate([np.empty((0, 3, 3)), *(one.corners for one in patches)])
     except (BrokenMeshError, MemoryError):
         raise
     except Exception:  # noqa: BLE001  the library raises anything on a broken file
@@ -108,9 +116,11 @@ def read_with_library(
     return Content(corners=corners.reshape(-1, 3, 3), is_plain=False, patches=patches)
 
 
-def _patches(scene: Any) -> Iterator[Patch]:
-    """The triangles of each node with a mesh; Gazebo shows no colors of vertices."""
+def _patches(scene: Any, part: str | None) -> Iterator[Patch]:
+    """The triangles of each node with a mesh, or of one; Gazebo shows no colors of vertices."""
     for node in scene.graph.nodes_geometry:
+        if part not in {None, node}:
+            continue
         matrix, name = scene.graph.get(node)
         mesh = scene.geometry[name]
         faces = np.asarray(getattr(mesh, "faces", ()), dtype=np.int64)
@@ -162,15 +172,15 @@ RECOGNIZE: dict[str, Callable[[bytes], bool]] = {  # by the extension that files
     "obj": is_obj,
     "gltf": lambda data: data[:1024].lstrip().startswith(b"{") and b'"asset"' in data,
 }
-READ: dict[str, Callable[[bytes, Path | None], Content]] = {
+READ: dict[str, Callable[[bytes, Path | None, str | None], Content]] = {
     "dae": read_dae,
     "stl": read_stl,
     "obj": read_obj,
 }
 
 
-def read_mesh(file: Path, *, with_materials: bool = False) -> Content:
-    """The triangles of a mesh file; with their materials if asked for.
+def read_mesh(file: Path, part: MeshPart | None = None, *, with_materials: bool = False) -> Content:
+    """The triangles of a mesh file, or of one part of it; with their materials if asked for.
 
     Raises:
         BrokenMeshError: It cannot be used.
@@ -195,13 +205,31 @@ def read_mesh(file: Path, *, with_materials: bool = False) -> Content:
                 hint=f"Give the file the extension .{other}.",
             )
     try:
+        name = None if part is None else part.name
         if kind in READ:
-            return READ[kind](data, file.parent if with_materials else None)
-        return read_with_library(data, kind, file.parent, with_materials=with_materials)
+            content = READ[kind](data, file.parent if with_materials else None, name)
+        else:
+            content = read_with_library(
+                data, kind, file.parent, name, with_materials=with_materials
+            )
     except (BrokenMeshError, MemoryError):
         raise
     except Exception:  # noqa: BLE001  the numbers of a damaged file lead anywhere
         raise damaged(kind) from None
+    return content if part is None else _alone(content, part)
+
+
+def _alone(content: Content, part: MeshPart) -> Content:
+    """What was read of a part, which no engine reads from the file by itself."""
+    content = content._replace(is_plain=False, cleaned=None)
+    if not (part.is_centered and len(content.corners)):
+        return content
+    low, high = bounds_of(content.corners)
+    middle = np.add(low, high) / 2
+    return content._replace(
+        corners=content.corners - middle,
+        patches=tuple(one._replace(corners=one.corners - middle) for one in content.patches),
+    )
 
 
 def _check_is_there(file: Path) -> None:
@@ -245,7 +273,7 @@ def _inspect(
 ) -> InspectedMesh | UnusableMesh:
     file, rewritten = Path(request.path), folder / f"{number}.stl"
     try:
-        content = read_mesh(file, with_materials=bool(request.showings))
+        content = read_mesh(file, request.part, with_materials=bool(request.showings))
         low, high = _bounds(content.corners)
         colored, problems = writer.write(file, content, request.showings)
     except BrokenMeshError as error:

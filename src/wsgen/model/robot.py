@@ -73,6 +73,13 @@ class Capsule:
     length: float  # m, of the cylinder between the half spheres
 
 
+class MeshPart(NamedTuple):
+    """A group of faces in a mesh file; SDF's <submesh>."""
+
+    name: str
+    is_centered: bool = False  # moved so that the middle of the box around it is at the origin
+
+
 @dataclass(frozen=True, kw_only=True)
 class Mesh:
     """A mesh file."""
@@ -80,6 +87,7 @@ class Mesh:
     uri: str  # as written: package://…, file://…, model://… or a path
     scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
     path: str | None = None  # the file that `uri` stands for, when it was found
+    part: MeshPart | None = None  # of the file, which is shown or touched; None: all of it
     # m, unscaled: two corners of the box around its points, when somebody has looked into the file
     bounds: tuple[tuple[float, float, float], tuple[float, float, float]] | None = None
     triangles: int | None = field(default=None, compare=False)  # in the file, likewise

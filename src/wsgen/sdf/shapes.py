@@ -31,6 +31,7 @@ from wsgen.model.robot import (
     Extrusion,
     Heightmap,
     Mesh,
+    MeshPart,
     Sphere,
     Surface,
     Visual,
@@ -491,7 +492,7 @@ class ShapeReader:
             return None
         path = self.includes.path(self.source, uri) if uri else None
         if path is not None and is_file(path):
-            return Mesh(uri=uri, scale=scale, path=str(path))
+            return Mesh(uri=uri, scale=scale, path=str(path), part=_part_of_mesh(shape))
         is_gazebos = self.includes.leave_to_gazebo(self.source, shape, uri, is_solid=not is_visual)
         if not is_gazebos and (uri, str(owner.tag)) not in self._missing:
             self._missing.add((uri, str(owner.tag)))
@@ -505,6 +506,13 @@ class ShapeReader:
                 reason=elsewhere(uri, path),
             )
         return Mesh(uri=uri, scale=scale) if uri else None
+
+
+def _part_of_mesh(shape: Element) -> MeshPart | None:
+    """The <submesh> of a <mesh>, which Gazebo takes alone."""
+    name = word(shape, "submesh", "name")
+    is_centered = word(shape, "submesh", "center").lower() in {"true", "1"}
+    return MeshPart(name, is_centered=is_centered) if name else None
 
 
 EXTENT = (1000.0, 1000.0, 10.0)  # m, of the box whose upper side is the plane, like the ground
