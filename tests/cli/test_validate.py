@@ -11,6 +11,7 @@ from PIL import Image
 
 from cli.packages import PACKAGE, SHARE, errors, validate, wsgen
 from wsgen.cli import run
+from wsgen.errors import NotFoundError
 
 pytestmark = pytest.mark.slow
 
@@ -445,6 +446,28 @@ def test_the_browser_is_for_who_can_show_something_there(
     assert run(["validate"]) == 0
     line = f" wsgen launch {PACKAGE} gazebo_model.launch.py {options}  (starts its nodes"
     assert line in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("hint", "line"),
+    [
+        ("Install it: pip install 'wsgen[ros]'.", "without ROS; after: pip install 'wsgen[ros]')"),
+        ("Use another machine.", None),
+    ],
+)
+def test_a_run_is_for_who_can_have_ros(
+    built: Path,
+    hint: str,
+    line: str | None,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(built)
+    why_not = NotFoundError("No ROS.", hint=hint)
+    monkeypatch.setattr("wsgen.ros_environment.environment.why_no_ros", lambda _: why_not)
+    assert run(["validate"]) == 0
+    said = capsys.readouterr().err
+    assert line in said if line else "--run" not in said
 
 
 def test_the_next_steps_from_elsewhere(built: Path, tmp_path: Path) -> None:

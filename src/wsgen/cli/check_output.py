@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 WIDEST = 120  # columns of a source line that is shown; of a longer one, the part around the place
-NAMES = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "information"}
+NAMES = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "note"}
 
 
 def render_report(

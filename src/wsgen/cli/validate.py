@@ -257,10 +257,13 @@ def _next_steps(
     answers: Sequence[str],
 ) -> Iterator[str]:
     """What to do next with a robot that stands; for the first one, if there are several."""
+    import os
     import shlex
 
     from wsgen.cli.words import engine_words, workspace_words
     from wsgen.isolation.system import has_guards
+    from wsgen.ros_environment.environment import why_no_ros
+    from wsgen.ros_environment.wheels import EXTRA
     from wsgen.viewing.viewer_library import is_viewer_installed
     from wsgen.workspace.overlay import SOURCE_USED
 
@@ -286,13 +289,15 @@ def _next_steps(
         if package.package is not None and package.launch_file is not None:
             words = ["launch", package.package, package.launch_file.name]
             ros2 = shlex.join(["ros2", *words, *arguments])
-            if has_guards():
+            why_not = why_no_ros(os.environ)
+            if has_guards() and (why_not is None or EXTRA in why_not.hint):
                 is_one = len(request.engines) == 1  # a live run is in one
                 engine = engine_words(request) if is_one else []
                 view = ["--view"] if is_viewer_installed() else []  # it would refuse to start
                 options = [*workspace_words(workspace), "--run", *view, *engine]
                 run = shlex.join(["wsgen", *words, *options, *arguments])
-                yield f"{label} {run}  (starts its nodes, too, without ROS)"
+                after = "" if why_not is None else f"; after: {EXTRA}"
+                yield f"{label} {run}  (starts its nodes, too, without ROS{after})"
                 label = "     "
             yield f"{label} {ros2}  (where ROS and install/setup.bash are sourced)"
             break

@@ -198,6 +198,13 @@ def _ros_1(manifest: Manifest) -> Diagnostic:
     )
 
 
+_UNFINISHED = {
+    "<description>": "what the package does",
+    "<maintainer>": "your name and address",
+    "<license>": "a license, such as <license>Apache-2.0</license>",
+}
+
+
 def unfinished(manifest: Manifest) -> Iterator[Diagnostic]:
     """Report the placeholders together, at the first of them."""
     found = [
@@ -215,8 +222,7 @@ def unfinished(manifest: Manifest) -> Iterator[Diagnostic]:
             found[0][1],
             message=f"{listed} of package.xml {'has' if len(tags) == 1 else 'have'} only a "
             "placeholder.",
-            hint="Write what others need to know, and a license, such as "
-            "<license>Apache-2.0</license>.",
+            hint=f"Write {', and '.join(_UNFINISHED[tag] for tag in dict.fromkeys(tags))}.",
         )
 
 
