@@ -1669,6 +1669,21 @@ OTHERS: dict[str, Plant] = {
             "worlds/office.sdf": SIMULATED["worlds/office.sdf"],
         },
     ),
+    "ROB150": Plant(
+        file="config/controllers.yaml",
+        around=DIFF_CONTROLLER + "@\n    right_wheel_names: [right_wheel_joint]\n"
+        "    wheel_radius: 0.1\n",
+        files=COMMANDED | {LAUNCH_FILE: WITH_SPAWNER},
+        is_good_code=False,
+    ),
+    "LCH099": Plant(
+        file="config/controllers.yaml",
+        around=DIFF_CONTROLLER
+        + "@\n    wheel_separation: 0.5\n    left_wheel_names: [left_wheel_joint]\n"
+        "    right_wheel_names: [right_wheel_joint]\n",
+        files=COMMANDED | {LAUNCH_FILE: WITH_SPAWNER},
+        is_good_code=False,
+    ),
     "ROB113": Plant(
         file="config/controllers.yaml",
         swaps=(("[shoulder, elbow]", "[left_wheel_joint]"), ("[position]", "[velocity]")),

@@ -94,6 +94,55 @@ def test_a_mistake(old: str, new: str, code: str, line: int) -> None:
     assert found[0].hint
 
 
+DRIVE = '    right_wheel_names: ["right"]\n'
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "hint"),
+    [
+        ("update_rate: 100", 'update_rate: "100"', 3, "Write update_rate: 100"),
+        ("[left]", "left", 19, "Write a list: left_wheel_names: [left]"),
+        (DRIVE, f"{DRIVE}    publish_rate: 50\n", 21, "Write publish_rate: 50.0"),
+        (DRIVE, f"{DRIVE}    open_loop: 'no'\n", 21, "Write open_loop: no"),
+        (DRIVE, f"{DRIVE}    base_frame_id: [base]\n", 21, "Write base_frame_id: base"),
+        (DRIVE, f"{DRIVE}    linear:\n      x: {{max_velocity: 1}}\n", 22, "linear.x.max_velo"),
+        (DRIVE, f"{DRIVE}    twist_covariance_diagonal: [1, 2]\n", 21, "[1.0, 2.0]"),
+        (DRIVE, f"{DRIVE}    wheel_separaton: 0.5\n", 21, "`wheel_separation`"),
+        ("      type: joint_trajectory", "    type: joint_trajectory", 5, "one more level"),
+    ],
+)
+def test_parameters_that_a_controller_refuses_or_ignores(
+    old: str, new: str, line: int, hint: str
+) -> None:
+    assert old in SOUND
+    found = [one for one in check(SOUND.replace(old, new)) if one.code != "ROB113"]
+    assert [(one.code, one.line) for one in found] == [("ROB150", line)]
+    assert hint in (found[0].hint or "")
+    expected = Severity.WARNING if "Did you mean" in (found[0].hint or "") else Severity.ERROR
+    assert found[0].severity is expected
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        "publish_rate: 50.0",
+        "publish_rate: $(var rate)",
+        "use_sim_time: true",
+        "linear.x.has_velocity_limits: true",
+        "wheels: 3",
+        "tf_frame_prefix:",
+    ],
+)
+def test_parameters_that_may_be_right(more: str) -> None:
+    assert not check(SOUND.replace(DRIVE, f"{DRIVE}    {more}\n"))
+
+
+def test_parameters_below_another_name() -> None:
+    (found,) = check(SOUND.replace("/ns/drive:", "/ns/dribe:"))
+    assert (found.code, found.line) == ("ROB113", 17)
+    assert found.hint == "Write `drive:` for `dribe:`, or give the type to `dribe` in line 8."
+
+
 def test_joints_and_interfaces_that_ros2_control_misspells_are_reported_there() -> None:
     def with_part(name: str, command: str) -> Controlled:
         part = ControlledPart(kind="joint", name=name, commands=(command,), states=PARTS[0].states)

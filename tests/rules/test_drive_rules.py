@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 
 from urdf_texts import MASS, link, robot
+from wsgen import yamlfile
 from wsgen.diagnostics import Severity
-from wsgen.rules.drives import check_drive
+from wsgen.rules.drives import check_drive, check_drive_controller
 from wsgen.urdf.reader import read_urdf
 
 FILE = Path("robot.urdf")
@@ -105,3 +106,23 @@ def test_other_sizes_than_those_of_the_wheels(text: str, hints: list[str]) -> No
 )
 def test_sizes_that_may_be_right(text: str) -> None:
     assert found_in(text) == []
+
+
+@pytest.mark.parametrize(
+    ("parameters", "hints"),
+    [
+        ("wheel_radius: 0.1, wheel_separation: 0.5", []),
+        ("wheel_radius: 0.01, wheel_separation: 0.5", ["Write wheel_radius: 0.1"]),
+        ("wheel_radius: 0.1, wheel_separation: 0.25", ["Write wheel_separation: 0.5"]),
+        ("wheel_separation: 0.25, wheel_separation_multiplier: 2.0", []),
+        ("wheel_separation: $(var track)", []),
+    ],
+)
+def test_parameters_of_a_controller(parameters: str, hints: list[str]) -> None:
+    written, _ = read_urdf(drive(), file=FILE)
+    names = "left_wheel_names: [left_0_joint], right_wheel_names: [right_0_joint]"
+    values = yamlfile.parse(f"{{{names}, {parameters}}}")
+    assert written is not None
+    assert isinstance(values, yamlfile.Value)
+    found = check_drive_controller(written, "drive", values, Path("controllers.yaml"))
+    assert [one.hint for one in found] == hints

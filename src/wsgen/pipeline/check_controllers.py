@@ -8,8 +8,14 @@ from typing import TYPE_CHECKING
 from wsgen import yamlfile
 from wsgen.launch.commands import has_gaps
 from wsgen.launch.other_places import find_in_package
-from wsgen.rules.controller_joints import Controlled, check_controllers, missing_controller_file
+from wsgen.rules.controller_joints import (
+    Controlled,
+    check_controllers,
+    drive_sections,
+    missing_controller_file,
+)
 from wsgen.rules.controllers import started_controllers
+from wsgen.rules.drives import check_drive_controller
 from wsgen.rules.ros2_control import control_plugins
 from wsgen.xacro.source import place_in_source
 
@@ -56,10 +62,19 @@ def check_controlled(
     for path, users in of_file.items():
         content = yamlfile.load_parameters(path)
         if isinstance(content, yamlfile.Value):
-            controlled = Controlled(
-                joints=[joint for robot in users for joint in robot.joints],
-                controls=[system for robot in users for system in robot.controls],
-                started=started,
-                of_parts=started - surely,
-            )
-            yield from check_controllers(content, controlled, path)
+            yield from _check_file(path, content, users, started, surely)
+
+
+def _check_file(
+    path: Path, content: yamlfile.Value, users: list[Robot], started: set[str], surely: set[str]
+) -> Iterator[Diagnostic]:
+    controlled = Controlled(
+        joints=[joint for robot in users for joint in robot.joints],
+        controls=[system for robot in users for system in robot.controls],
+        started=started,
+        of_parts=started - surely,
+    )
+    yield from check_controllers(content, controlled, path)
+    # Of several robots, nobody knows which one has the wheels.
+    for name, values in drive_sections(content) if len(users) == 1 else ():
+        yield from check_drive_controller(users[0], name, values, path)

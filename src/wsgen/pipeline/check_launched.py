@@ -18,6 +18,7 @@ from wsgen.rules import (
     frames,
     launch_files,
     mesh_addresses,
+    parameter_files,
     simulators,
     worlds,
 )
@@ -250,6 +251,7 @@ def check_texts(
             if file.suffix != ".rviz":
                 yield from _check_paths(file, content)
                 yield from _check_controllers(file, content, started)
+                yield from parameter_files.malformed_parameter_files(file, content)
     if package.build_type != "catkin":
         yield from launch_files.ros_1_launch_files(of_ros_1)
 

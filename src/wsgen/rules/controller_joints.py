@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
+from wsgen.rules.controller_parameters import invalid_parameters
 from wsgen.suggestions import did_you_mean, nearest, some_of
 from wsgen.values import NamedTuple, lazy_pattern
 
@@ -195,19 +196,17 @@ def check_controllers(
     """Check a file of parameters against the robot of which Gazebo's plugin reads it."""
     sections = list(_sections(content))
     types = dict(_types(sections))
+    for full, values in sections:
+        if full.rpartition("/")[2] == MANAGER:
+            yield from invalid_parameters(MANAGER, "", values, file, None)
     for name, (kind, line) in types.items():
         own = [values for full, values in sections if full.rpartition("/")[2] == name]
         needed = NEEDED.get(kind, ())
         if needed and not any(values.get(key) for values in own for key in needed):
-            yield CONTROLLER_WITHOUT_PARAMETERS.at(
-                file,
-                line,
-                name,
-                message=f"The controller `{name}` has the type `{kind}`, but no parameter "
-                f"`{needed[0]}`.",
-                hint=f"Add `{name}: ros__parameters: {needed[0]}:` with the names of its joints.",
-            )
+            yield _without_parameters(name, kind, line, sections, types, file)
         severity = None if name in robot.started else Severity.WARNING
+        for values in own:
+            yield from invalid_parameters(name, kind, values, file, severity)
         for values in own:
             if severity is not None and not _names_any(values, robot):
                 continue  # of another robot
@@ -215,6 +214,46 @@ def check_controllers(
                 continue  # of a part that an argument adds
             for claim in CLAIMS.get(kind, ()):
                 yield from _claimed(name, claim, values, robot, file, severity)
+
+
+def drive_sections(content: yamlfile.Value) -> Iterator[tuple[str, yamlfile.Value]]:
+    """The names and parameters of the diff_drive_controllers of a file."""
+    sections = list(_sections(content))
+    types = dict(_types(sections))
+    for full, values in sections:
+        name = full.rpartition("/")[2]
+        if types.get(name, ("",))[0] == "diff_drive_controller/DiffDriveController":
+            yield name, values
+
+
+def _without_parameters(  # noqa: PLR0913, PLR0917  a controller, and what is beside it
+    name: str,
+    kind: str,
+    line: int,
+    sections: Sequence[tuple[str, yamlfile.Value]],
+    types: Collection[str],
+    file: Path,
+) -> Diagnostic:
+    """Report a controller without parameters: where they stand if they have another name."""
+    needed = NEEDED[kind]
+    other = next(
+        (
+            (full.rpartition("/")[2], values)
+            for full, values in sections
+            if full.rpartition("/")[2] not in {*types, MANAGER, "*", "**"}
+            and any(values.get(key) for key in needed)
+        ),
+        None,
+    )
+    message = f"The controller `{name}` has the type `{kind}`, but no parameter `{needed[0]}`"
+    hint = f"Add `{name}: ros__parameters: {needed[0]}:` with the names of its joints."
+    if other is not None:
+        message += f": `{other[0]}` has it, which is not the name of a controller"
+        hint = (
+            f"Write `{name}:` for `{other[0]}:`, or give the type to `{other[0]}` in line {line}."
+        )
+        line = other[1].line - 2  # above `ros__parameters:`
+    return CONTROLLER_WITHOUT_PARAMETERS.at(file, line, name, message=f"{message}.", hint=hint)
 
 
 def _names_any(values: yamlfile.Value, robot: Controlled) -> bool:
@@ -307,7 +346,7 @@ def _sections(
 ) -> Iterator[tuple[str, yamlfile.Value]]:
     """The parameters of nodes, by their full names."""
     for key, inner in value.items():
-        if key == "ros__parameters":
+        if key in {"ros__parameters", "ros_parameters"}:  # a misspelled one is reported
             yield name, inner
         elif level < MOST_LEVELS:
             yield from _sections(inner, f"{name}/{key.strip('/')}", level + 1)

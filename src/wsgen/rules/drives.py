@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
     from pathlib import Path
 
+    from wsgen import yamlfile
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.behavior import WheelPair
     from wsgen.model.robot import Link, Plugin, Robot
@@ -36,7 +37,7 @@ DRIVE_UNLIKE_WHEELS = Rule(
     code="ROB134",
     name="drive-unlike-wheels",
     severity=Severity.WARNING,
-    summary="The sizes in a diff drive plugin are not those of the wheels.",
+    summary="The sizes in a diff drive plugin or controller are not those of the wheels.",
     what="Compares `<wheel_radius>` or `<wheel_diameter>` with the cylinders and spheres of the "
     "wheels, and `<wheel_separation>` with the distance between them. Reports what differs by a "
     "third; a larger separation is right for robots with more than two wheels.",
@@ -66,6 +67,50 @@ def check_drive(robot: Robot, file: Path | None) -> Iterator[Diagnostic]:
             most = SLIDING if len(drive.pairs) > 1 else FAR_OFF
             apart = math.dist(*middles)  # type: ignore[arg-type]  # neither is None
             yield from _separation(pair, (left, right), apart, most, plugin, file)
+
+
+def check_drive_controller(
+    robot: Robot, name: str, values: yamlfile.Value, file: Path
+) -> Iterator[Diagnostic]:
+    """Report parameters of a diff_drive_controller that are not those of the wheels."""
+    links = {link.name: link for link in robot.links}
+    wheels = {joint.name: links.get(joint.child) for joint in robot.joints}
+    sides = [values.get(f"{side}_wheel_names") for side in ("left", "right")]
+    names = [[one.text or "" for one in side.elements()] if side else [] for side in sides]
+    if not all(names):
+        return
+    left, right = (wheels.get(each[0]) for each in names)
+    if left is None or right is None:
+        return
+    poses = poses_of(robot.joints)
+    shapes, middles = (
+        [_tire(one) for one in (left, right)],
+        [_middle(left, poses), _middle(right, poses)],
+    )
+    measured: dict[str, tuple[float, float]] = {}  # and how much more may be written
+    radii = {shape[0] for shape in shapes if shape is not None}
+    if len(radii) == 1 and None not in shapes:
+        measured["wheel_radius"] = radii.pop(), FAR_OFF
+    if None not in middles:
+        most = SLIDING if len(names[0]) > 1 else FAR_OFF
+        measured["wheel_separation"] = math.dist(*middles), most  # type: ignore[arg-type]
+    for key, (size, most) in measured.items():
+        value = values.get(key)
+        multiplier = values.get(f"{key}_multiplier")
+        if value is None or multiplier is not None or type(value.content) not in {int, float}:
+            continue
+        if size > 0 and not 1 / FAR_OFF <= value.content / size <= most:
+            what = (
+                "the radius of its shape is" if key == "wheel_radius" else "the wheels are apart by"
+            )
+            yield DRIVE_UNLIKE_WHEELS.at(
+                file,
+                value.line,
+                f"{name}.{key}",
+                message=f"The controller `{name}` computes with a {key} of {value.content:.4g} m "
+                f"for the wheel `{left.name}`, and {what} {size:.4g} m.",
+                hint=f"Write {key}: {size:.4g}",
+            )
 
 
 def _plugins(robot: Robot) -> Iterator[tuple[Plugin, str]]:

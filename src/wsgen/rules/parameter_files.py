@@ -1,0 +1,92 @@
+"""The rule about files of parameters that no node can read."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wsgen import yamlfile
+from wsgen.diagnostics import Rule, Severity
+from wsgen.markup import read_text
+from wsgen.values import lazy_pattern
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic
+
+
+MALFORMED_PARAMETER_FILE = Rule(
+    code="LCH099",
+    name="malformed-parameter-file",
+    severity=Severity.ERROR,
+    severity_varies="a warning about a misspelled `ros__parameters`",
+    summary="A YAML file of parameters, or of a bridge, cannot be read.",
+    what="Reads the YAML files of a package that have `ros__parameters`, or topics of a bridge.",
+    why="The node that is given the file ends with an error, or has none of the parameters.",
+    example="""
+diff_drive_controller:
+  ros_parameters:
+    wheel_radius: 0.1
+""",
+    instead="""
+diff_drive_controller:
+  ros__parameters:
+    wheel_radius: 0.1
+""",
+)
+
+_OF_NODES = (b"ros__param", b"ros_param", b"gz_topic_name", b"ros_topic_name", b"gz_type_name")
+_MISSPELLED = lazy_pattern(r"ros_*param(?:eter)?s?")
+_TEMPLATE = lazy_pattern(r"\{\{|\{%")
+DEEPEST = 8  # namespaces
+
+
+def malformed_parameter_files(file: Path, content: bytes) -> Iterator[Diagnostic]:
+    """Report a YAML file that a node cannot read; `content` is what is in it."""
+    if not any(sign in content for sign in _OF_NODES):
+        return
+    found = yamlfile.load_parameters(file)
+    if isinstance(found, yamlfile.Value):
+        yield from _misspelled_sections(file, found)
+        return
+    if not isinstance(found, yamlfile.NotYaml):
+        return
+    text = read_text(file) or ""
+    if _TEMPLATE.search(text):
+        return  # something makes YAML of it
+    lines = text.splitlines()
+    line = next(
+        (
+            number
+            for number, one in enumerate(lines, 1)
+            if "\t" in one[: len(one) - len(one.lstrip())]
+        ),
+        None,
+    )
+    yield MALFORMED_PARAMETER_FILE.at(
+        file,
+        line or found.line,
+        message=f"{file.name} is not YAML: "
+        + ("the line is indented with a tab." if line else f"{found.message.rstrip('.')}."),
+        hint="Indent it with spaces, as the lines around it."
+        if line
+        else "Look there and in the line before: indentation, colons, quotes, brackets.",
+    )
+
+
+def _misspelled_sections(file: Path, value: yamlfile.Value, level: int = 0) -> Iterator[Diagnostic]:
+    for key, inner in value.items():
+        if key == "ros__parameters":
+            continue
+        if _MISSPELLED.fullmatch(key) and isinstance(inner.content, dict):
+            yield MALFORMED_PARAMETER_FILE.at(
+                file,
+                inner.line - 1,
+                key,
+                message=f"`{key}` is not the key of parameters: the node does not get them.",
+                hint="Write `ros__parameters`, with two underscores.",
+                severity=Severity.WARNING,
+            )
+        elif level < DEEPEST:
+            yield from _misspelled_sections(file, inner, level + 1)
