@@ -6,6 +6,32 @@
 #   WSGEN_ROS     the prefixes of that ROS and of messages that were built for it, as a path
 #   WSGEN_PYTHON  the Python that has wsgen
 
+# Whether a package that is assumed, such as nav_msgs, finds another one, such as builtin_interfaces:
+# the packages of the real one are in the ROS of PyPI, and name what they find.
+function(wsgen_is_brought result package)
+  get_property(bringing GLOBAL PROPERTY WSGEN_MISSING)
+  string(REPLACE ":" ";" prefixes "$ENV{WSGEN_ROS}")
+  set(seen ${bringing})
+  while(bringing)
+    list(POP_FRONT bringing one)
+    foreach(prefix IN LISTS prefixes)
+      set(file "${prefix}/share/${one}/cmake/ament_cmake_export_dependencies-extras.cmake")
+      if(EXISTS "${file}")
+        file(STRINGS "${file}" exported REGEX "^set\\(_exported_dependencies ")
+        string(REGEX MATCHALL "[A-Za-z0-9_]+" exported "${exported}")
+        list(REMOVE_ITEM exported ${seen})
+        list(APPEND bringing ${exported})
+        list(APPEND seen ${exported})
+      endif()
+    endforeach()
+  endwhile()
+  if("${package}" IN_LIST seen)
+    set(${result} TRUE PARENT_SCOPE)
+  else()
+    set(${result} FALSE PARENT_SCOPE)
+  endif()
+endfunction()
+
 function(rosidl_generate_interfaces target)
   cmake_parse_arguments(arguments
     "ADD_LINTER_TESTS;SKIP_INSTALL;SKIP_GROUP_MEMBERSHIP_CHECK" "LIBRARY_NAME" "DEPENDENCIES" ${ARGN})
@@ -28,7 +54,8 @@ function(rosidl_generate_interfaces target)
     list(APPEND names "${base}:${name}")
   endforeach()
   foreach(package IN LISTS arguments_DEPENDENCIES)
-    if(NOT ${package}_FOUND)
+    wsgen_is_brought(is_brought "${package}")
+    if(NOT ${package}_FOUND AND NOT is_brought)
       message(FATAL_ERROR "rosidl_generate_interfaces() the passed dependency '${package}' has not "
         "been found before using find_package()")
     endif()
