@@ -668,3 +668,21 @@ def test_what_a_package_beside_declares(tmp_path: Path) -> None:
         "<exec_depend>xacro"
     })  # fmt: skip
     assert only(package, "package-not-found") == [("package-not-found", "info")]
+
+
+def test_a_robot_that_is_for_rviz_alone(tmp_path: Path) -> None:
+    package = write_package(tmp_path)
+    for file in package.rglob("*"):
+        if file.is_file() and b"gazebo" in file.read_bytes():
+            file.unlink()
+    robot = package / "urdf" / "r.urdf"
+    robot.write_text(
+        '<robot name="r"><link name="a"><inertial><mass value="1"/>'
+        '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+        '<link name="b"/><joint name="j" type="continuous"><parent link="a"/><child link="b"/>'
+        "</joint></robot>"
+    )
+    assert only(package, "dropped-link") == [("dropped-link", "warning")]
+    launch = package / "launch" / "start.launch.py"
+    launch.write_text("def generate_launch_description(): ...  # starts ros_gz_sim\n")
+    assert only(package, "dropped-link") == [("dropped-link", "error")]

@@ -44,7 +44,7 @@ from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
 from wsgen.pipeline.started import Started, start
 from wsgen.rules import launch_files
 from wsgen.rules.target import target_of
-from wsgen.values import NamedTuple
+from wsgen.values import NamedTuple, lazy_pattern
 from wsgen.workspace.layout import find_launch_files
 from wsgen.workspace.robot_files import find_descriptions
 from wsgen.workspace.settings import read_settings
@@ -66,6 +66,9 @@ if TYPE_CHECKING:
 
 
 OF_TESTS = frozenset({"test", "tests"})  # folders; their launch files are for launch_testing
+OF_GAZEBO = lazy_pattern(
+    rb"(?i)gazebo|\bgz\b|\bros_(?:gz|ign)_|\b(?:gz|ign)_sim\b|\bign_ros2_control"
+)
 NOTHING = ValidateRequest()  # launch files and xacro are given no arguments
 
 
@@ -263,6 +266,18 @@ class PackageCheck:
             if other.name != file.name or package.name != self.package.name
         )
 
+    def _is_for_gazebo(self) -> bool:
+        """Whether a manifest, launch file or robot of the workspaces names Gazebo."""
+        return any(
+            OF_GAZEBO.search(read(file))
+            for package in self.installed.sources.values()
+            for file in (
+                package.path / "package.xml",
+                *find_launch_files(package.path),
+                *find_descriptions(package.path),
+            )
+        )
+
     def _is_installed(self, package: str) -> bool:
         """Whether a package is on this machine or in the workspace."""
         return self.overlay.share(package) is not None
@@ -289,7 +304,7 @@ class PackageCheck:
             )
             context = PrepareContext(share_of=validation.share_of, folder=folder, run=self.run_task)
             _, prepared = validation.read(context)
-            yield from of_file_alone(validation.diagnostics)
+            yield from of_file_alone(validation.diagnostics, self._is_for_gazebo)
             self._note(prepared, dict.fromkeys((one.entity for one in prepared), file), None)
 
 

@@ -61,6 +61,7 @@ from wsgen.sdf.worlds import NO_GROUND
 from wsgen.source_shares import may_have_sources
 from wsgen.suggestions import advice, misspelled_as, suggested
 from wsgen.urdf.gazebo import SDF_NOT_SIMULATED
+from wsgen.urdf.lumping import DROPPED_LINK, IMPOSSIBLE_SUM, TWO_ZERO_MASSES
 from wsgen.urdf.reader import UNNAMED_ROBOT
 from wsgen.values import lazy_pattern
 from wsgen.xacro.reader import XACRO_FILE_FAILS
@@ -293,10 +294,22 @@ UNDEFINED_ARGUMENT = "Undefined substitution argument"
 NOT_FOUND = lazy_pattern(r"the package '[^']+' is not found")
 
 
-def of_file_alone(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
-    """What is wrong with a file; that it holds only a part of a robot or world is not."""
+# What Gazebo alone refuses in a robot; RViz, MoveIt and drivers take it.
+REFUSED_BY_GAZEBO = frozenset(rule.code for rule in (DROPPED_LINK, TWO_ZERO_MASSES, IMPOSSIBLE_SUM))
+
+
+def of_file_alone(
+    diagnostics: Iterable[Diagnostic], is_for_gazebo: Callable[[], bool] = lambda: True
+) -> Iterator[Diagnostic]:
+    """What is wrong with a file; that it holds only a part of a robot or world is not.
+
+    `is_for_gazebo` says whether anything in the workspace has to do with Gazebo.
+    """
     for found in diagnostics:
         if found.code == NO_MODEL.code:
+            continue
+        if found.code in REFUSED_BY_GAZEBO and not is_for_gazebo():
+            yield replace(found, severity=Severity.WARNING)
             continue
         # What a world stands on may be spawned into it.
         if (

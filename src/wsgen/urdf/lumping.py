@@ -50,7 +50,7 @@ DROPPED_LINK = Rule(
     name="dropped-link",
     severity=Severity.ERROR,
     severity_varies="a warning for what is fixed to the world and carries nothing, such as a plate "
-    "under an arm",
+    "under an arm, and of `wsgen check` where nothing in the workspace has to do with Gazebo",
     summary="Gazebo drops a link without mass, and everything that is attached to it.",
     why=(
         "`sdformat` drops a link without mass unless a fixed joint attaches it to a link with "
