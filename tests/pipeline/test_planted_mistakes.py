@@ -11,7 +11,7 @@ import pytest
 
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.isolation import parent
-from wsgen.pipeline.prepare import PrepareContext, prepare_robot
+from wsgen.pipeline.prepare import PrepareContext, PreparedRobot, prepare_robot
 from wsgen.xacro.expansion import expand
 
 if TYPE_CHECKING:
@@ -192,9 +192,13 @@ SEGMENT = """<robot xmlns:xacro="http://www.ros.org/wiki/xacro">
 SERIOUS = (Severity.ERROR, Severity.WARNING)
 
 
-def diagnose(text: str | bytes, file: Path) -> list[Diagnostic]:
+def prepare(text: str | bytes, file: Path) -> tuple[PreparedRobot | None, tuple[Diagnostic, ...]]:
     context = PrepareContext(share_of=lambda _: None, folder=file.parent, run=parent.run)
-    _, found = prepare_robot(text, file=file, context=context, simulator="gz", distro="jazzy")
+    return prepare_robot(text, file=file, context=context, simulator="gz", distro="jazzy")
+
+
+def diagnose(text: str | bytes, file: Path) -> list[Diagnostic]:
+    _, found = prepare(text, file)
     return [one for one in found if one.severity in SERIOUS]
 
 
@@ -336,3 +340,39 @@ def test_a_mistake_in_a_macro(  # noqa: PLR0917  the facts of a case
     )
     ends = {one.message.rpartition(" is called in ")[2] for one in found}
     assert ends == {f"line {call} of arm.xacro." for call in calls}
+
+
+CONTROLLED = """<ros2_control name="rover" type="system">
+    <hardware><plugin>gz_ros2_control/GazeboSimSystem</plugin></hardware>
+    <joint name="left_joint"><command_interface name="velocity"/></joint>
+  </ros2_control>
+</robot>"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code"),
+    [
+        ("gz-sim-diff-drive-system", "gz-sim-difdrive-system", "ROB100"),
+        ("systems::DiffDrive", "systems::DifDrive", "ROB100"),
+        ("gz-sim-diff-drive-system", "libgazebo_ros_diff_drive.so", "ROB101"),
+        ("<left_joint>left_joint<", "<left_joint>left_wheel_joint<", "ROB102"),
+        ("</robot>", CONTROLLED.replace("left_joint", "lef_joint"), "ROB087"),
+        ("</robot>", CONTROLLED.replace("GazeboSimSystem", "GazeboSystem"), "ROB092"),
+    ],
+)
+def test_gazebo_loads_the_robot_without_a_plugin(
+    tmp_path: Path, old: str, new: str, code: str
+) -> None:
+    """The mistake is an error, and the robot is simulated all the same."""
+    prepared, found = prepare(swap(ROVER, old, new), tmp_path / "rover.urdf")
+    assert {one.code for one in found if one.severity is Severity.ERROR} == {code}
+    assert prepared is not None
+    assert prepared.can_run
+
+
+def test_gazebo_refuses_a_robot_with_a_plugin_without_a_name(tmp_path: Path) -> None:
+    text = swap(ROVER, ' name="gz::sim::systems::DiffDrive"', "")
+    prepared, found = prepare(text, tmp_path / "rover.urdf")
+    assert {one.code for one in found if one.severity is Severity.ERROR} == {"ROB098"}
+    assert prepared is not None
+    assert not prepared.can_run

@@ -6,12 +6,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.diagnostics import Rule, Severity, has_errors
+from wsgen.diagnostics import Rule, Severity
 from wsgen.files import read_regular
 from wsgen.isolation import parent
 from wsgen.launch.simulators import find_simulator
 from wsgen.launch.spawning import assume_spawn, find_spawns
-from wsgen.pipeline.prepare import PrepareContext, find_model, read_file
+from wsgen.pipeline.prepare import PrepareContext, find_model, keeps_out, read_file
 from wsgen.sdf.includes import DOWNLOADED, MODEL_LEFT_OUT
 from wsgen.sdf.lookup import (
     file_of_model,
@@ -135,7 +135,7 @@ def robots_of_world(found: SdfFile, environment: Mapping[str, str]) -> set[str]:
 def as_robots(models: Sequence[PreparedRobot], names: set[str]) -> list[PreparedRobot]:
     """The models of a world, of which those with these names are robots to simulate and check."""
     return [
-        replace(model, is_static_model=False, can_run=not has_errors(model.diagnostics))
+        replace(model, is_static_model=False, can_run=not keeps_out(model.diagnostics))
         if model.entity in names
         else model
         for model in models

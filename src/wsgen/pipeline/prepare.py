@@ -18,7 +18,7 @@ from wsgen.description_rules import (
     MISSING_VISUAL_MESH,
     ONE_NAME_FOR_LINK_AND_JOINT,
 )
-from wsgen.diagnostics import Rule, Severity, has_errors
+from wsgen.diagnostics import Rule, Severity
 from wsgen.meshes.inspection import inspect_meshes
 from wsgen.meshes.lookup import find_meshes
 from wsgen.meshes.shape_meshes import build_shapes
@@ -188,8 +188,8 @@ def _prepare(
             written=written,
             lumped=lumped,
             readable=readable,
-            # As Gazebo spawns it; what is ignored is reported, and the robot does not pass.
-            can_run=not has_errors(one for one in found if one.code != IGNORED_XACRO.code),
+            # What Gazebo goes on without is reported, and the robot does not pass.
+            can_run=not keeps_out(found),
             drive=_drive(lumped, simulator),
         )
         if context.with_devices:
@@ -202,6 +202,26 @@ def _prepare(
     if written is not None and file is not None:
         found += _of_files(sources, written, file, found)
     return prepared and replace(prepared, diagnostics=found), found
+
+
+def keeps_out(found: Iterable[Diagnostic]) -> bool:
+    """Whether an error is one for which Gazebo does not load a model, or loads another one.
+
+    It goes on without a plugin that it does not find or that refuses its parameters, and without
+    hardware or controllers: the body is the same.
+    """
+    errors = [one for one in found if one.severity is Severity.ERROR]
+    if not errors:
+        return False
+    from wsgen.rules import plugins, ros2_control  # noqa: PLC0415  most robots have no error
+
+    of_plugins = (
+        *(plugins.UNKNOWN_PLUGIN, plugins.PLUGIN_OF_OTHER_SIMULATOR, plugins.UNKNOWN_PLUGIN_PART),
+        *(plugins.UNREAD_PLUGIN_PARAMETER, IGNORED_XACRO),
+    )
+    of_control = (rule for rule in vars(ros2_control).values() if isinstance(rule, Rule))
+    codes = {rule.code for rule in (*of_plugins, *of_control)}
+    return any(one.code not in codes for one in errors)
 
 
 def _with_devices(prepared: PreparedRobot, text: str | bytes) -> PreparedRobot:
@@ -485,7 +505,7 @@ def prepare_models(
         for one in turning_friction(robot, robot, model.file)
     )
     more += tuple(dict.fromkeys(turning))  # a file may be included several times
-    can_run = is_static_model or not has_errors((*found.diagnostics, *more))
+    can_run = is_static_model or not keeps_out((*found.diagnostics, *more))
     if context.with_devices:
         models = [_with_included_devices(model) for model in models]
     return [

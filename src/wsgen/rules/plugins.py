@@ -101,7 +101,7 @@ def driven_joints(tags: Iterable[GazeboTag]) -> set[str]:
 UNKNOWN_PLUGIN = Rule(
     code="ROB100",
     name="unknown-plugin",
-    severity=Severity.WARNING,
+    severity=Severity.ERROR,
     summary="The name of a plugin is nearly that of one of Gazebo, or its class is another one.",
     what="Compares the file name with those of the systems of Gazebo Sim and of the plugins of "
     "gazebo_plugins, and `name` with the classes of the system.",
