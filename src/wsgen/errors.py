@@ -24,6 +24,7 @@ EXIT_MISSING = 4
 EXIT_BUG = 70
 EXIT_SIGNALLED = 128  # plus the number of the signal
 EXIT_INTERRUPTED = 130
+EXIT_STOPPED = 147  # of a child process alone: SIGSTOP would have it wait for ever
 
 # What wsgen prints when one of these signals ends it.
 SIGNAL_MESSAGES = {

@@ -93,6 +93,25 @@ def test_a_crash_says_signal_and_step(run: Run, task: Task) -> None:
     assert (died.reason, died.step, died.output) == ("crashed (SIGABRT)", "load r2d2", "last words")
 
 
+@GUARDED
+def test_a_child_that_stops_itself_is_ended_soon(run: Run, task: Task) -> None:
+    died = run(task("import os, signal\nos.kill(os.getpid(), signal.SIGSTOP)"))
+    assert isinstance(died, Died)
+    assert died.reason == "was stopped by SIGSTOP, and nobody would have continued it"
+    assert died.hint("Look.") == "Look for what sends SIGSTOP to its own process."
+
+
+@GUARDED
+def test_a_child_that_is_continued_goes_on(run: Run, task: Task) -> None:
+    text = """
+        import os, signal, subprocess
+        again = f"while kill -CONT {os.getpid()}; do sleep 0.05; done"
+        subprocess.Popen(["sh", "-c", again], stderr=subprocess.DEVNULL)
+        os.kill(os.getpid(), signal.SIGSTOP)
+        """
+    assert isinstance(run(task(text)), Answered)
+
+
 def test_a_child_that_hangs_is_ended_with_its_own_children(
     run: Run, task: Task, tmp_path: Path
 ) -> None:

@@ -18,6 +18,7 @@ import time
 from contextlib import suppress
 from typing import TYPE_CHECKING, NoReturn
 
+from wsgen.errors import EXIT_STOPPED
 from wsgen.isolation.parent_death import end_with_parent
 
 if TYPE_CHECKING:
@@ -28,6 +29,7 @@ PR_SET_CHILD_SUBREAPER = 36  # linux/prctl.h
 FIRST_FIELD = 3  # of /proc/PID/stat behind the name of the program
 PARENT, FIRST_TIME, LAST_TIME = 4, 14, 17  # fields of /proc/PID/stat, counted from 1
 SHORTEST_WAIT = 0.05  # s between two checks of the CPU time
+SECONDS_STOPPED = 1.0  # wall-clock, that a child may be stopped: nobody is there to continue it
 SECONDS_TO_END = 5.0  # wall-clock, for processes after SIGKILL
 WATCHED = (signal.SIGCHLD, signal.SIGTERM)
 
@@ -93,6 +95,9 @@ def _watch(pid: int, cpu_seconds: float) -> int:
         event = _wait(next_check - time.monotonic())
         if event is not None and event.si_signo == signal.SIGTERM:
             code = -signal.SIGTERM
+        elif math.isfinite(cpu_seconds) and _is_stopped(pid):
+            is_told = signal.sigtimedwait({signal.SIGTERM}, SECONDS_STOPPED) is not None
+            code = -signal.SIGTERM if is_told else -signal.SIGSTOP if _is_stopped(pid) else None
         elif time.monotonic() >= next_check:
             left = cpu_seconds - _descendants_cpu_seconds()
             code = -signal.SIGXCPU if left < 0.0 else None
@@ -113,6 +118,14 @@ def _wait(seconds: float) -> signal.struct_siginfo | None:
 def _least_wall_clock(cpu_seconds: float) -> float:
     """For how long nothing can use up so much CPU time, even on all cores; s, wall-clock."""
     return max(SHORTEST_WAIT, cpu_seconds / (os.cpu_count() or 1))
+
+
+def _is_stopped(pid: int) -> bool:
+    """Whether a signal has stopped the child, or the child itself."""
+    try:
+        return os.waitid(os.P_PID, pid, os.WSTOPPED | os.WNOHANG | os.WNOWAIT) is not None
+    except ChildProcessError:  # it has ended, and is yet to be reaped
+        return False
 
 
 def _reap_orphans(pid: int) -> bool:
@@ -143,6 +156,8 @@ def _end_children(pid: int) -> int:
 
 def _end_like(code: int) -> NoReturn:
     """End this process with the status of another one."""
+    if code == -signal.SIGSTOP:  # which would not end it
+        code = EXIT_STOPPED
     if code < 0:
         signal.pthread_sigmask(signal.SIG_UNBLOCK, WATCHED)
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))

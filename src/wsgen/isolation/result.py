@@ -8,6 +8,7 @@ import os
 import signal
 from typing import TYPE_CHECKING, Any, Literal
 
+from wsgen.errors import EXIT_STOPPED
 from wsgen.files import explain_write_error, full_folder
 from wsgen.isolation.missing_library import find_missing_library
 from wsgen.values import dataclass
@@ -21,6 +22,7 @@ OUTPUT_LIMIT = 64 * 2**20  # bytes of a file, so that a child cannot fill the di
 # A child that shares its core with eight others takes nine times its CPU time.
 WALL_CLOCK_FACTOR = 10.0
 
+STOPPED = "was stopped by SIGSTOP, and nobody would have continued it"  # a reason
 WINDOWS_ERRORS = 0xC0000000  # and above: exit codes of processes that Windows ended
 
 Cause = Literal["cpu time", "wall-clock time", "memory", "output", "crash", "exception"]
@@ -70,6 +72,8 @@ class Died:
             )
         if self.cause == "output":
             return "Look for a loop that prints or writes without end."
+        if self.reason == STOPPED:
+            return "Look for what sends SIGSTOP to its own process."
         missing = find_missing_library(self.reason)
         if missing is not None and missing.command:
             return f"Install {missing.name}: {missing.command}"
@@ -138,6 +142,8 @@ def read_lateness(scratch: Path, limits: Limits) -> Died:
 
 def describe_exit(code: int) -> str:
     """Describe how a process ended that left no answer."""
+    if code == EXIT_STOPPED:
+        return STOPPED
     name = f"0x{code:X}" if code >= WINDOWS_ERRORS else _signal_name(code)
     if name is not None:
         return f"crashed ({name})"
