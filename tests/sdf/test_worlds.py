@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.diagnostics import Severity
 from wsgen.sdf.models import read_sdf
 from wsgen.sdf.worlds import DEFAULT_WORLD
 
@@ -97,6 +98,28 @@ def test_what_is_wrong_with_a_world(
     tmp_path: Path, text: str, expected: list[tuple[str, int]]
 ) -> None:
     assert codes(tmp_path, text) == expected
+
+
+@pytest.mark.parametrize(
+    ("step", "taken", "severity"),
+    [
+        ("1e-12", 0.001, Severity.ERROR),  # no time for Gazebo Sim
+        ("0", 0.001, Severity.ERROR),
+        ("1e-6", 0.001, Severity.WARNING),  # a million steps a second
+        ("1e3", 0.001, Severity.WARNING),
+        ("1e-4", 1e-4, None),
+        ("nan", 0.001, Severity.ERROR),
+    ],
+)
+def test_the_step_has_bounds(
+    tmp_path: Path, step: str, taken: float, severity: Severity | None
+) -> None:
+    text = world(f"<physics><max_step_size>{step}</max_step_size></physics>")
+    read, diagnostics = read_world(write(tmp_path, text))
+    assert read is not None
+    assert read.step == taken
+    found = [one.severity for one in diagnostics if one.code != "WLD006"]
+    assert found == ([] if severity is None else [severity])
 
 
 def test_a_world_that_is_not_there(tmp_path: Path) -> None:

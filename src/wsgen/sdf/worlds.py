@@ -43,10 +43,11 @@ IMPOSSIBLE_STEP = Rule(
     code="WLD007",
     name="impossible-step",
     severity=Severity.ERROR,
-    severity_varies="a warning for a long one, with which Gazebo runs",
-    summary="The physics step is not positive, or longer than 20 ms.",
-    why="With long steps the engine misses contacts and becomes unstable; without a positive step "
-    "no time passes.",
+    severity_varies="a warning for a long or a short one, with which Gazebo runs",
+    summary="The physics step is not positive, longer than 20 ms or shorter than 10 µs.",
+    why="With long steps the engine misses contacts and becomes unstable; with short ones each "
+    "second takes minutes. Without a positive step no time passes, nor in Gazebo Sim with one of "
+    "less than a nanosecond, which it counts as 0.",
     example="<physics>\n  <max_step_size>0.1</max_step_size>\n</physics>",
     instead="<physics>\n  <max_step_size>0.001</max_step_size>\n</physics>",
 )
@@ -125,6 +126,8 @@ DEFAULT_WORLD = World(
 )
 
 STRONGEST_GRAVITY = 1000.0  # m/s²; at the surface of the Sun it is 274
+SHORTEST_STEP = 1e-5  # s; with shorter ones, a second of a robot takes a minute or more
+NANOSECOND = 1e-9  # s; Gazebo Sim counts time in whole ones
 LONGEST_STEP = 0.02  # s; with longer ones contacts are missed, and no engine is stable
 
 
@@ -190,15 +193,21 @@ def _step(source: Source, world: Element) -> float:
     for physics in xmltree.children(world, "physics"):
         for element in xmltree.children(physics, "max_step_size"):
             numbers = read_numbers(source, element, 1)
-            if numbers and 0 < numbers[0] <= LONGEST_STEP:
+            if numbers and SHORTEST_STEP <= numbers[0] <= LONGEST_STEP:
                 return numbers[0]
             if numbers:
+                runs = numbers[0] >= NANOSECOND
                 source.report(
                     IMPOSSIBLE_STEP,
-                    f"The physics step of {numbers[0]:g} s is not between 0 and "
-                    f"{LONGEST_STEP:g} s; the simulation here takes {DEFAULT_WORLD.step:g} s.",
+                    f"The physics step of {numbers[0]:g} s is not between {SHORTEST_STEP:g} and "
+                    f"{LONGEST_STEP:g} s"
+                    + (
+                        f"; the simulation here takes {DEFAULT_WORLD.step:g} s."
+                        if runs
+                        else ": no time passes in Gazebo Sim."
+                    ),
                     at=element,
                     hint="Use Gazebo's default, 0.001.",
-                    severity=Severity.WARNING if numbers[0] > 0 else None,
+                    severity=Severity.WARNING if runs else None,
                 )
     return DEFAULT_WORLD.step
