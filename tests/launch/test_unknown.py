@@ -333,6 +333,45 @@ def test_a_value_stays_unknown_whatever_is_done_with_it(space: InstallSpace) -> 
     }
 
 
+def test_what_is_handed_on_as_yaml_or_json(space: InstallSpace) -> None:
+    plan = space.play(
+        "DeclareLaunchArgument('dump', default_value=yaml.dump(X.config())), "
+        "DeclareLaunchArgument('json', default_value=json.dumps(X.config())), "
+        "OpaqueFunction(function=f)",
+        before="""
+        import json, yaml
+        import rclpy as X
+
+        def f(context):
+            dump = LaunchConfiguration('dump').perform(context)
+            read = yaml.load(dump, Loader=yaml.FullLoader)
+            text = yaml.safe_load(dump)['robot'].lower()
+            again = json.loads(LaunchConfiguration('json').perform(context))
+            return [ExecuteProcess(cmd=[read['robot'], text, again['robot']])]
+        """,
+    )
+    assert not plan.diagnostics
+    unknown = "$(rclpy.config()['robot']{})"
+    command = (unknown.format(""), unknown.format(".lower()"), unknown.format(""))
+    assert plan.processes[0].command == command
+
+
+def test_a_loop_over_the_characters_of_what_is_unknown_ends(space: InstallSpace) -> None:
+    plan = space.play(
+        "OpaqueFunction(function=f), ExecuteProcess(cmd=['goes on'])",
+        before="""
+        import rclpy as X
+
+        def f(context):
+            text, place = str(X.value), 0
+            while text[place] != ':':
+                place += 1
+        """,
+    )
+    assert [one.command for one in plan.processes] == [("goes on",)]
+    assert [one.code for one in plan.diagnostics] == ["LCH024"]
+
+
 @pytest.mark.parametrize("line", ["text.split(':')[1]", "json.loads(text)", "table[text]"])
 def test_what_only_the_known_value_could_do(space: InstallSpace, line: str) -> None:
     plan = space.play(

@@ -74,6 +74,8 @@ class UnknownText(str):
         return UnknownText(other + str(self))
 
     def __getitem__(self, key: Any) -> UnknownText:
+        if isinstance(key, int) and not -len(self) <= key < len(self):
+            raise IndexError(key)  # so that loops over it come to an end
         return self
 
     def __int__(self) -> int:

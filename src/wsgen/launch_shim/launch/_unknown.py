@@ -8,6 +8,7 @@ with the line that made it, and a text stands in for it: `$(module.name)`.
 from __future__ import annotations
 
 import dis
+import functools
 import sys
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +18,7 @@ from wsgen.launch.record import RECORD, UnknownText, caller
 from wsgen.model.plan import OF_ABSENT_MODULE, STARTS_UNKNOWN
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
     from types import FrameType
 
     from launch.base import LaunchDescriptionEntity
@@ -46,6 +47,26 @@ def _let_be_written() -> None:
         return str(value) if isinstance(value, Unknown) else refuse(self, value)
 
     json.JSONEncoder.default = default  # type: ignore[assignment, method-assign]  # foreign code writes, too
+
+
+def _let_be_read() -> None:
+    """Let YAML and JSON read such a text as what is unknown again."""
+    import json
+
+    import yaml
+
+    def reading(read: Callable[..., Any]) -> Callable[..., Any]:
+        def read_unknown(text: Any, *arguments: Any, **keywords: Any) -> Any:
+            # Readers go through the characters, which have to be those of the text.
+            plain = str(text) if isinstance(text, UnknownText) else text
+            value = read(plain, *arguments, **keywords)
+            is_unknown = isinstance(value, str) and value in RECORD.unknown_texts
+            return Unknown(value[2:-1]) if is_unknown else value
+
+        return functools.wraps(read)(read_unknown)
+
+    yaml.load = reading(yaml.load)
+    json.loads = reading(json.loads)
 
 
 class Unknown(Action, Substitution):
@@ -179,3 +200,4 @@ class Unknown(Action, Substitution):
 
 
 _let_be_written()
+_let_be_read()
