@@ -38,6 +38,7 @@ from wsgen.pipeline.check_sources import check_sources
 from wsgen.pipeline.clock import Clock
 from wsgen.pipeline.file_kinds import read
 from wsgen.pipeline.file_validation import UNUSABLE_FILE, FileValidation
+from wsgen.pipeline.known_worlds import KnownWorlds
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.prepare import PrepareContext
 from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
@@ -201,6 +202,7 @@ class PackageCheck:
     ) -> Iterator[Diagnostic]:
         """What the launch files do, and once each the robots and worlds that they start."""
         known = set()
+        worlds = KnownWorlds(folder, (one.started for one in candidates))
         for one in candidates:
             started = one.started
             yield from of_launch(
@@ -234,7 +236,9 @@ class PackageCheck:
                 launch_file=one.file,
                 started=started,
             )
-            validation = Validation(selected, self.overlay, NOTHING, None, self.run_task)
+            validation = Validation(
+                selected, self.overlay, NOTHING, None, self.run_task, worlds=worlds
+            )
             world, scene = validation.read(folder)
             yield from (one for one in validation.diagnostics if one not in started.diagnostics)
             yield from check_heights(started, world, scene, validation.diagnostics)

@@ -20,6 +20,7 @@ from wsgen.pipeline.changed_since_build import (
 )
 from wsgen.pipeline.clock import DRAW, Clock
 from wsgen.pipeline.gazebo_models import DATABASE_MODEL, as_robots, look_up_model, robots_of_world
+from wsgen.pipeline.known_worlds import ReadWorld
 from wsgen.pipeline.prepare import (
     PrepareContext,
     PreparedRobot,
@@ -64,6 +65,7 @@ if TYPE_CHECKING:
     from wsgen.model.plan import LaunchPlan
     from wsgen.model.world import Spawn, World
     from wsgen.pipeline.behavior_plan import BehaviorPlan
+    from wsgen.pipeline.known_worlds import KnownWorlds
     from wsgen.pipeline.prepare import KnownRobots
     from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
     from wsgen.pipeline.started import Started
@@ -87,8 +89,10 @@ class Validation:
         run: Run = parent.run,
         *,
         known: KnownRobots | None = None,
+        worlds: KnownWorlds | None = None,
     ) -> None:
         self.known = known
+        self.worlds = worlds
         self.selected = selected
         self.package = selected.name
         self.overlay = overlay
@@ -323,8 +327,7 @@ class Validation:
                 self.diagnostics.append(missing)
                 return DEFAULT_WORLD if file is None else None, []
             self.world_file = file
-            found = self._for_simulator(read_file(file, context, environment))
-            models, more = prepare_models(found, context, is_static_model=True)
+            found, models, more = self._read_models(name, file, context, environment)
             step.succeeded = not has_errors((*found.diagnostics, *more))
         self.diagnostics += (*found.diagnostics, *more)
         world = found.world
@@ -332,6 +335,22 @@ class Validation:
         if world is not None and world.file in self.written:
             world = replace(world, file=self.written[world.file])
         return world, as_robots(models, robots_of_world(found, environment))
+
+    def _read_models(
+        self, name: str, file: Path, context: PrepareContext, environment: Mapping[str, str]
+    ) -> ReadWorld:
+        """What is in a world file, which other launch files may start, too."""
+
+        def read(context: PrepareContext) -> ReadWorld:
+            found = self._for_simulator(read_file(file, context, environment))
+            models, more = prepare_models(found, context, is_static_model=True)
+            return ReadWorld(found, models, more)
+
+        if self.worlds is None or file in self.written:
+            return read(context)
+        known = self.worlds.read(name, file, self.simulator_kind, context, environment, read)
+        self.sdf_files |= known.file.files
+        return known
 
     def _written_world(self, started: Started, name: str, context: PrepareContext) -> Path | None:
         """A file with the world that a process of the launch would write under this name."""

@@ -20,6 +20,7 @@ from wsgen.launch.launch_warnings import UNUSED_ARGUMENT, UNUSED_XACRO_ARGUMENT
 from wsgen.model.outcome import Outcome
 from wsgen.pipeline.changed_since_build import shares_of
 from wsgen.pipeline.engines import check_engines, engine_left_out
+from wsgen.pipeline.known_worlds import KnownWorlds
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.parallel import run_parallel
 from wsgen.pipeline.requests import SelectedPackage
@@ -79,11 +80,16 @@ def validate(
         each = request if is_alone else replace(request, jobs=1)  # engines one after the other
         each = each.shared_by(len(packages) + len(request.files))
         on_workers, jobs = _on_workers(request, stack)
+        started = [package.started for package in packages]
+        worlds = KnownWorlds(stack.enter_context(parent.make_scratch()), started)
 
         def subjects(run: Run) -> list[Validation | FileValidation]:
             run = on_workers(run)
             return [
-                *(Validation(package, overlay, each, serial, run) for package in packages),
+                *(
+                    Validation(package, overlay, each, serial, run, worlds=worlds)
+                    for package in packages
+                ),
                 *_files(each, [package.label for package in packages], overlays, serial, run),
             ]
 
