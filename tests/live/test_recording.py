@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -113,6 +114,15 @@ for one in (publisher, clock):
 """
 
 
+def _pids_with(word: str) -> list[str]:
+    """The processes with a word in their command lines."""
+    found = []
+    for line in Path("/proc").glob("[0-9]*/cmdline"):
+        with suppress(OSError):  # it has ended
+            found += [line.parent.name] if word.encode() in line.read_bytes().split(b"\0") else []
+    return found
+
+
 def _record_much(
     file: Path, variables: Mapping[str, str], depth: int, size: int, *, is_stopped: bool = False
 ) -> tuple[list[tuple[int, int]], Recorded]:
@@ -120,13 +130,15 @@ def _record_much(
     reader = pytest.importorskip("mcap.reader")
     told: list[Recorded] = []
     with recording_topics(file, PYTHON, variables, use_sim_time=True, recorded=told.append):
-        (recorder,) = [
-            process.name
-            for process in Path("/proc").iterdir()
-            if process.name.isdecimal()
-            and str(file).encode() in (process / "cmdline").read_bytes().split(b"\0")
+        (recorder,) = _pids_with(str(file))
+        words = [
+            str(PYTHON),
+            "-c",
+            SAY_MUCH,
+            recorder if is_stopped else "0",
+            str(depth),
+            str(size),
         ]
-        words = [PYTHON, "-c", SAY_MUCH, recorder if is_stopped else "0", str(depth), str(size)]
         subprocess.run(words, cwd="/", env=dict(variables), check=True, timeout=300)
     with file.open("rb") as stream:
         found = [
