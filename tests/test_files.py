@@ -3,7 +3,10 @@
 import errno
 import os
 import resource
+import signal
 import stat
+import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -60,6 +63,39 @@ def test_a_link_stays_a_link_and_a_file_keeps_its_mode(tmp_path: Path) -> None:
     assert link.is_symlink()
     assert file.read_text() == "new"
     assert stat.S_IMODE(file.stat().st_mode) == 0o640
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from wsgen.files import replace_file
+
+with replace_file(Path(sys.argv[1])) as stream:
+    stream.write(b"new")
+    stream.flush()
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="files have a name from the beginning")
+def test_who_is_killed_leaves_nothing(tmp_path: Path) -> None:
+    file = tmp_path / "a.txt"
+    file.write_text("old")
+    try:
+        os.close(os.open(tmp_path, os.O_WRONLY | os.O_TMPFILE))
+    except OSError:
+        pytest.skip("this file system has no files without a name")
+    ended = subprocess.run([sys.executable, "-c", KILLED, file], check=False)
+    assert ended.returncode == -signal.SIGKILL
+    assert [(one.name, one.read_text()) for one in tmp_path.iterdir()] == [("a.txt", "old")]
+
+
+def test_a_file_system_where_files_have_names(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("wsgen.files.OPEN_FILES", str(tmp_path / "no such folder"))
+    write_file(tmp_path / "a.txt", "new")
+    assert [(one.name, one.read_text()) for one in tmp_path.iterdir()] == [("a.txt", "new")]
 
 
 def test_a_stream_is_written_to(tmp_path: Path) -> None:

@@ -40,6 +40,7 @@ MARKS = {
 }
 
 UNFINISHED_PREFIX = ".wsgen-file-"
+OPEN_FILES = "/proc/self/fd"  # on Linux
 # /dev/stdout may lead to a regular file that others write to; /dev/shm is a folder as any other.
 STREAMS = ("/dev/std", "/dev/fd/", "/proc/")
 
@@ -305,25 +306,43 @@ def _replace(file: Path, data: bytes) -> None:
 def replace_file(file: Path) -> Iterator[BinaryIO]:
     """Open a hidden file next to `file`, which replaces it by one rename at the end of the block.
 
-    If the block raises, the old file is unchanged and the new one is removed.
+    If the block raises, the old file is unchanged and the new one is removed. Where the file system
+    has files without a name, this one gets its name at the end: a process that is killed leaves
+    nothing.
 
     Raises:
         OSError: it cannot be written.
     """
     unfinished = file.with_name(f"{UNFINISHED_PREFIX}{os.getpid()}-{os.urandom(4).hex()}")
     # Not `tempfile`, whose files only the user may read: this one gets the mode of any new file.
-    descriptor = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+    descriptor = _open_without_name(file.parent)
+    is_named = descriptor is None
+    if descriptor is None:
+        descriptor = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
     try:
         with os.fdopen(descriptor, "wb") as stream:
             yield stream
             stream.flush()
             os.fsync(descriptor)  # some disks report only now that they are full
+            if not is_named:
+                # With a folder, which an absolute path does not need, Python follows the link.
+                os.link(f"{OPEN_FILES}/{descriptor}", unfinished, src_dir_fd=descriptor)
         with suppress(OSError):  # the file is new, or the file system has no modes
             unfinished.chmod(stat.S_IMODE(file.stat().st_mode))
         unfinished.replace(file)
     except BaseException:
         unfinished.unlink(missing_ok=True)
         raise
+
+
+def _open_without_name(folder: Path) -> int | None:
+    """Open a new file of a folder that has no name yet; None where that is impossible."""
+    if not hasattr(os, "O_TMPFILE") or not Path(OPEN_FILES).is_dir():
+        return None
+    try:
+        return os.open(folder, os.O_WRONLY | os.O_TMPFILE, 0o666)
+    except OSError:  # the other way says what is wrong with the folder
+        return None
 
 
 def explain_write_error(
