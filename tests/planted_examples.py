@@ -745,6 +745,10 @@ def node(around: str, **options: Any) -> Plant:
 
 
 BUILDS |= {
+    "PKG109": package(
+        in_manifest("export").replace("<exec_depend>xacro</exec_depend>\n", ""),
+        good=in_manifest("export").replace("<exec_depend>xacro</exec_depend>\n", ""),
+    ),
     "PKG105": node(put(IN_NODE, "pass").replace("import rclpy\n", "@\nimport rclpy\n")),
     "PKG106": node(put(IN_NODE, "pass").replace("import rclpy\n", "@\nimport rclpy\n")),
     "PKG107": node(

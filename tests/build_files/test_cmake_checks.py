@@ -8,6 +8,7 @@ import pytest
 
 from wsgen.build_files.cmake_checks import check_for_distro
 from wsgen.build_files.facts import read_build_facts
+from wsgen.build_files.install_checks import is_misplaced
 from wsgen.diagnostics import Severity
 
 START = "cmake_minimum_required(VERSION 3.8)\nproject(bot)\nfind_package(ament_cmake REQUIRED)\n"
@@ -95,6 +96,8 @@ def test_a_sound_package(tmp_path: Path) -> None:
         (START + INSTALL + "add_executable(node src/node.cpp)\n"
          "install(TARGETS node DESTINATION lib/bots)\n" + END,
          ("program-not-installed", 6, "warning")),
+        (START + INSTALL.replace("share/", "lib/") + END, ("wrong-destination", 4, "warning")),
+        (START + INSTALL.replace("DIRECTORY", "DIRECTORYS") + END, ("unknown-command", 4, "error")),
     ],
 )  # fmt: skip
 def test_mistakes(tmp_path: Path, text: str, expected: tuple[str, int, str]) -> None:
@@ -152,6 +155,34 @@ def test_scripts(
     file.write_bytes(script.encode())
     file.chmod(0o755)
     assert report(tmp_path, text) == ([expected] if expected else [])
+
+
+@pytest.mark.parametrize(
+    ("install", "code"),
+    [
+        ("install(PROGRAMS go.py DESTINATION share/${PROJECT_NAME})\n", "program-not-installed"),
+        ("install(PROGRAMS go.py DESTINATION lib)\n", "program-not-installed"),
+        ("install(PROGRAMS go.py DESTINATION share/${PROJECT_NAME}/scripts)\n", None),
+        (
+            (
+                "install(PROGRAMS go.py DESTINATION lib/bot)\n"
+                "install(PROGRAMS go.py DESTINATION share/bot)\n"
+            ),
+            None,
+        ),
+        (INSTALL.replace("share/", "lib/"), None),
+    ],
+)
+def test_what_is_installed_for_others_than_ros(
+    tmp_path: Path, install: str, code: str | None
+) -> None:
+    found = report(tmp_path, f"{START}{INSTALL}{install}{END}", go_py=PROGRAM)
+    assert [one[0] for one in found] == ([code] if code else [])
+
+
+def test_a_package_with_the_name_of_a_folder_of_resources() -> None:
+    assert not is_misplaced("share/description", "description")
+    assert is_misplaced("share/description", "bot")
 
 
 def test_a_folder_of_scripts(tmp_path: Path) -> None:

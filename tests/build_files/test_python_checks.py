@@ -85,6 +85,7 @@ def test_a_sound_package(tmp_path: Path) -> None:
          ("broken-console-script", 19, "error")),
         ("'go = bot.node:main'", "'go = bot/node.py:main'",
          ("broken-console-script", 19, "error")),
+        ("'console_scripts'", "'console_script'", ("broken-console-script", 18, "warning")),
         ("packages=[package_name]", "packages=[]", ("broken-console-script", 19, "error")),
         ("*.launch.py", "*_launch.py", ("empty-glob", 14, "warning")),
         ("'share/' + package_name + '/launch'", "'share/launch'",

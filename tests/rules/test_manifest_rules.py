@@ -91,6 +91,24 @@ def test_no_buildtool() -> None:
     assert "<buildtool_depend>ament_cmake</buildtool_depend>" in (found.hint or "")
 
 
+def test_a_dependency_inside_of_export() -> None:
+    one = manifest(BUILDTOOL)
+    entries = {**one.entries, ("export", "exec_depend"): (Entry("xacro", 9, {}),)}
+    wrong = Manifest(
+        name="demo",
+        build_type="ament_cmake",
+        dependencies=one.dependencies,
+        file=FILE,
+        entries=entries,
+    )
+    (found,) = check_manifest(wrong, FOLDER)
+    assert (found.code, found.line, found.hint) == (
+        "PKG109",
+        9,
+        "Move it out of <export>, above it.",
+    )
+
+
 def test_a_python_package_of_the_wrong_build_type_needs_no_buildtool(tmp_path: Path) -> None:
     folder = tmp_path / "demo_package"
     folder.mkdir()

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from wsgen.build_files.cmake_calls import Mention, texts
 from wsgen.build_files.cmake_commands import COMMANDS as EVALUATED
 from wsgen.build_files.cmake_commands import is_harmless
+from wsgen.build_files.cmake_install import meant_form
 from wsgen.build_files.cmake_values import is_known, version
 from wsgen.diagnostics import Rule, Severity
 from wsgen.suggestions import ask_for_nearest, did_you_mean, nearest
@@ -575,6 +576,18 @@ def _is_described(names: Sequence[str], word: str) -> bool:
 
 def misspelled(reader: Reader) -> Iterator[Diagnostic]:
     """Report the first command whose name is nearly that of a known one."""
+    for mention in reader.mentions.get("install", ()):
+        first = mention.arguments[0].text if mention.arguments else ""
+        meant = meant_form(first)
+        if meant != first and mention.is_certain:
+            yield UNKNOWN_COMMAND.at(
+                mention.file,
+                mention.call.line,
+                reader.name,
+                message=f"{reader.name}: CMake does not know install({first} ...), and stops.",
+                hint=did_you_mean(meant),
+            )
+            return
     unknown = [
         mention
         for command, mentions in reader.mentions.items()

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from wsgen.build_files.cmake_calls import InstallRule, sections
 from wsgen.build_files.cmake_text import UNQUOTED, Argument, read_text
 from wsgen.build_files.cmake_values import BUILD, PREFIX, UNKNOWN, is_known
+from wsgen.suggestions import nearest
 from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
@@ -37,6 +38,13 @@ TYPES = {
     "MAN": ("MANDIR", "share/man"),
     "DOC": ("DOCDIR", "share/doc"),
 }
+FORMS = frozenset(
+    (
+        *("TARGETS", "FILES", "PROGRAMS", "DIRECTORY", "SCRIPT", "CODE", "EXPORT", "PACKAGE_INFO"),
+        *("IMPORTED_RUNTIME_ARTIFACTS", "RUNTIME_DEPENDENCY_SET", "EXPORT_ANDROID_MK", "SBOM"),
+    )
+)
+SIMILAR = 0.75  # so alike, as difflib counts, are a form and the one that it misspells
 KINDS = frozenset({"DIRECTORY", "FILES", "PROGRAMS"})
 # Each with the number of arguments that follow it; -1: all up to the next keyword.
 KEYWORDS = {
@@ -59,8 +67,13 @@ KEYWORDS = {
 }
 
 
+def meant_form(word: str) -> str:
+    """The form of install() that a word names, also by a misspelling; else the word."""
+    return word if word in FORMS else nearest(word, FORMS, cutoff=SIMILAR) or word
+
+
 def _install(reader: Reader, mention: Mention) -> None:
-    kind = mention.arguments[0].text if mention.arguments else ""
+    kind = meant_form(mention.arguments[0].text) if mention.arguments else ""
     if kind in KINDS:
         _install_files(reader, mention, kind, mention.arguments[1:])
     elif kind == "TARGETS":

@@ -248,6 +248,7 @@ def _check_places(reader: Reader, facts: BuildFacts) -> Iterator[Diagnostic]:
             how=word_install,
         )
         yield from programs(facts.targets, _used_by_build(reader), reader)
+    yield from misplaced_scripts(reader.rules, reader.name)
     yield from scripts(facts.executables, reader.name)
     yield from not_executable(reader.rules, reader.name)
 
@@ -393,6 +394,8 @@ def destination(rule: InstallRule, reader: Reader) -> Iterator[Diagnostic]:
         return
     written = _written_place(rule)
     problem = _problem_of(rule.destination, written, reader)
+    if problem is None and _is_for_programs(rule, reader, tops):
+        problem = (f"lib/{reader.name}, the folder of programs", f"Write DESTINATION share/{NAME}.")
     if problem is None:
         return
     message, hint = problem
@@ -404,6 +407,16 @@ def destination(rule: InstallRule, reader: Reader) -> Iterator[Diagnostic]:
         f"share/{reader.name}.",
         hint=hint,
     )
+
+
+def _is_for_programs(rule: InstallRule, reader: Reader, tops: Collection[str]) -> bool:
+    """Whether folders of resources are installed to the folder of programs alone."""
+    places = {
+        relative_destination(one.destination)
+        for one in reader.rules
+        if one.destination is not None and not _tops(one, reader.source).isdisjoint(tops)
+    }
+    return rule.kind == "DIRECTORY" and places == {f"lib/{reader.name}"}
 
 
 def _written_place(rule: InstallRule) -> str:
@@ -442,6 +455,8 @@ def is_misplaced(place: str, package: str) -> bool:
     top, _, below = place.partition("/")
     if top == "share":
         name = below.partition("/")[0]
+        if name == package:  # which may be called `description`
+            return False
         return not name or name in RESOURCES or nearest(name, [package], cutoff=0.8) is not None
     return not top or top in RESOURCES or top == package
 
@@ -645,6 +660,30 @@ def _outside(target: Target, rule: InstallRule, place: str, package: str) -> Dia
         f"lib/{package}.",
         hint=f"Write: DESTINATION lib/{NAME}",
     )
+
+
+def misplaced_scripts(rules: Sequence[InstallRule], package: str) -> Iterator[Diagnostic]:
+    """Report install(PROGRAMS) to folders that `ros2 run` does not look in."""
+    right = {
+        path
+        for rule in rules
+        if rule.destination and relative_destination(rule.destination) == f"lib/{package}"
+        for _, path in rule.names
+    }
+    for rule in rules:
+        place = None if rule.destination is None else relative_destination(rule.destination)
+        if rule.kind != "PROGRAMS" or place not in {f"share/{package}", "lib", "bin", "share"}:
+            continue
+        for argument, path in rule.names:
+            if path not in right and is_known(path) and _is_program(Path(path)):
+                yield PROGRAM_NOT_INSTALLED.at(
+                    rule.file,
+                    rule.place.line if rule.place else rule.call.line,
+                    os.path.basename(argument.text),
+                    message=f"The program {os.path.basename(argument.text)} is installed to "
+                    f"{place}, and `ros2 run` looks in lib/{package}.",
+                    hint=f"Write: DESTINATION lib/{NAME}",
+                )
 
 
 _RUNS = lazy_pattern(rb"(?m)^if\s+__name__\s*==|^(?:rclpy\.init|main)\s*\(")

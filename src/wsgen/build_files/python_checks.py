@@ -16,7 +16,7 @@ from wsgen.build_files.install_checks import (
     is_misplaced,
     uninstalled_folders,
 )
-from wsgen.build_files.python_setup import folder_of, parse
+from wsgen.build_files.python_setup import CONSOLE_SCRIPTS, folder_of, parse
 from wsgen.diagnostics import Rule, Severity
 from wsgen.suggestions import ask_for_nearest, did_you_mean, nearest
 from wsgen.values import lazy_pattern
@@ -432,6 +432,16 @@ def entry_points(
 ) -> Iterator[Diagnostic]:
     """Report console scripts whose module or function does not exist or is not installed."""
     packages = {one.name: one.source for one in installed}
+    if setup.scripts_group != CONSOLE_SCRIPTS and setup.scripts:
+        names = ", ".join(one.name for one in setup.scripts if one.name)
+        yield BROKEN_SCRIPT.at(
+            setup.file,
+            getattr(setup.scripts_group, "line", setup.line_of("entry_points")),
+            package,
+            message=f"{package}: setuptools installs no {names}: their group in entry_points is "
+            f"`{setup.scripts_group}`.",
+            hint=did_you_mean(CONSOLE_SCRIPTS),
+        )
     for one in scripts:
         if not one.name or not _TARGET.fullmatch(one.target):
             yield _unread_script(one, package)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.build_files.installed import MARKER
 from wsgen.build_files.python_checks import check_setup
-from wsgen.build_files.python_setup import Setup, folder_of, read_setup
+from wsgen.build_files.python_setup import CONSOLE_SCRIPTS, Setup, folder_of, read_setup
 from wsgen.model.build_facts import BuildFacts, Executable, InstalledFile, PythonPackage
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def _python_facts(setup: Setup, source: Path, name: str) -> BuildFacts:
         executables += [
             Executable(name=one.name, file=one.file, line=one.line, entry_point=one.target)
             for one in setup.scripts
-            if one.name
+            if one.name and setup.scripts_group == CONSOLE_SCRIPTS
         ]
         executables += [
             Executable(name=os.path.basename(file), file=setup.file, line=at, source=source / file)

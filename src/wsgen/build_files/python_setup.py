@@ -23,6 +23,7 @@ from wsgen.build_files.python_values import (
 )
 from wsgen.files import read_regular
 from wsgen.pythontree import parse_anew
+from wsgen.suggestions import nearest
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
@@ -30,6 +31,10 @@ if TYPE_CHECKING:
 
 
 SIZE_LIMIT = 2**20  # bytes; build files are written by hand
+
+
+CONSOLE_SCRIPTS = "console_scripts"
+SURELY = 0.85  # so alike, as difflib counts, are a name and the one that it misspells
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,6 +67,7 @@ class Setup:
     name: str | None = None  # None: not known
     data_files: tuple[DataFile, ...] = ()
     scripts: tuple[Script, ...] = ()
+    scripts_group: str = CONSOLE_SCRIPTS  # their key in entry_points, as it is written
     script_files: tuple[tuple[str, int], ...] = ()  # of `scripts`
     packages: tuple[tuple[str, int], ...] | None = None  # None: not known
     modules: tuple[tuple[str, int], ...] = ()
@@ -231,6 +237,7 @@ def _make(
         name=name if isinstance(name, str) else None,
         data_files=tuple(files),
         scripts=tuple(_read_scripts(arguments, configuration, file)),
+        scripts_group=_group_of_scripts(arguments.values.get("entry_points")),
         script_files=_read_texts(arguments, "scripts") or (),
         packages=_read_packages(arguments, configuration, file.parent),
         modules=_read_texts(arguments, "py_modules") or (),
@@ -275,6 +282,14 @@ def _read_data_files(arguments: Arguments, files: list[DataFile]) -> bool:
     return has_all
 
 
+def _group_of_scripts(points: object) -> str:
+    """The key of the console scripts, also a misspelled one."""
+    if not isinstance(points, dict) or CONSOLE_SCRIPTS in points:
+        return CONSOLE_SCRIPTS
+    names = [key for key in points if isinstance(key, str) and key != "gui_scripts"]
+    return nearest(CONSOLE_SCRIPTS, names, cutoff=SURELY) or CONSOLE_SCRIPTS
+
+
 def _read_scripts(
     arguments: Arguments, configuration: Configuration, file: Path
 ) -> Iterator[Script]:
@@ -282,7 +297,7 @@ def _read_scripts(
     line = arguments.line_of("entry_points")
     texts: Any = []
     if isinstance(points, dict):
-        texts = points.get("console_scripts", [])
+        texts = points.get(_group_of_scripts(points), [])
     elif isinstance(points, str):
         texts = _section_of(points)
     if isinstance(texts, str):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Rule, Severity
 from wsgen.markup import read_text
 from wsgen.values import NamedTuple, lazy_pattern
-from wsgen.workspace.manifest import BUILD_TAGS, EXPORT_TAGS, RUN_TAGS
+from wsgen.workspace.manifest import BUILD_TAGS, DEPENDENCY_TAGS, EXPORT_TAGS, RUN_TAGS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -98,6 +98,18 @@ OLD_FORMAT = Rule(
     instead='<package format="3">\n  <exec_depend>xacro</exec_depend>\n</package>',
 )
 
+DEPENDENCY_IN_EXPORT = Rule(
+    code="PKG109",
+    name="dependency-in-export",
+    severity=Severity.WARNING,
+    summary="A dependency stands inside `<export>`, where nobody reads it.",
+    why="`rosdep` does not install the package, and `colcon` does not build it first.",
+    example="<export>\n  <build_type>ament_cmake</build_type>\n"
+    "  <exec_depend>xacro</exec_depend>\n</export>",
+    instead="<exec_depend>xacro</exec_depend>\n<export>\n"
+    "  <build_type>ament_cmake</build_type>\n</export>",
+)
+
 GROUP = "rosidl_interface_packages"
 GENERATORS = (
     "rosidl_default_generators",
@@ -148,6 +160,16 @@ def check_manifest(
             yield _ros_1(manifest)
         return
     yield from unfinished(manifest)
+    for tag in sorted(DEPENDENCY_TAGS):
+        for entry in manifest.entries.get(("export", tag), ()):
+            yield DEPENDENCY_IN_EXPORT.at(
+                manifest.file,
+                entry.line,
+                entry.text,
+                message=f"<{tag}>{entry.text}</{tag}> stands inside <export>, where it declares "
+                "no dependency.",
+                hint="Move it out of <export>, above it.",
+            )
     if is_other_name(folder, manifest.name):
         yield DIFFERENT_FOLDER_NAME.at(
             manifest.file,

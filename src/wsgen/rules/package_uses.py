@@ -147,12 +147,15 @@ def check_uses(
     any_tag = manifest.names(DEPENDENCY_TAGS, distro)
     known = released_packages()
     tested = manifest.test_dependencies
+    misplaced = {
+        entry.text for tag in DEPENDENCY_TAGS for entry in manifest.entries.get(("export", tag), ())
+    }
     missing: dict[Path, list[PackageUse]] = {}
     first: dict[str, PackageUse] = {}
     for use in _needed(uses, for_run):
         package = use.package
         if (
-            package in {manifest.name, *first}
+            package in {manifest.name, *first, *misplaced}
             or package in for_run
             or package in tested  # left out on purpose
             or (package not in known and package not in manifests)
