@@ -1791,7 +1791,7 @@ NOT_PLANTED: dict[str, tuple[str, ...]] = {
     "a run of wsgen build": (
         *("PKG052", "BLD001", "BLD002", "BLD004", "BLD005", "BLD006", "BLD007", "BLD008", "BLD013"),
         *("BLD014", "BLD015", "BLD016", "BLD017", "BLD018", "BLD019", "BLD020", "BLD023", "BLD024"),
-        *("BLD025", "BLD026", "BLD030", "BLD032", "BLD048", "BLD067"),
+        *("BLD025", "BLD026", "BLD030", "BLD032", "BLD048", "BLD067", "BLD070"),
     ),
     "a run of wsgen validate": (
         *("BLD069", "PKG050", "PKG051", "PKG065", "PKG066", "PKG067", "ROB142", "WLD042", "LCH033"),

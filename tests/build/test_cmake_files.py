@@ -60,7 +60,7 @@ CMake Error: Something  without a place.
 
 
 def test_errors(tmp_path: Path) -> None:
-    (tmp_path / "CMakeLists.txt").touch()
+    (tmp_path / "CMakeLists.txt").write_text("\n\n\n\ngo()\n")
     first, second = read_errors(PRINTED.format(folder="/elsewhere"))
     assert first.message == "The first error. Its second paragraph."
     assert first.command == "message"
@@ -70,11 +70,19 @@ def test_errors(tmp_path: Path) -> None:
 
 
 def test_the_innermost_place_in_the_package_counts(tmp_path: Path) -> None:
-    (tmp_path / "CMakeLists.txt").touch()
+    (tmp_path / "CMakeLists.txt").write_text("\n\n\n\ngo()\n")
     (tmp_path / "cmake").mkdir()
-    (tmp_path / "cmake" / "more.cmake").touch()
+    more = tmp_path / "cmake" / "more.cmake"
+    more.write_text("\n\n  MESSAGE(FATAL_ERROR error)\n")
     first, _ = read_errors(PRINTED.format(folder=tmp_path))
-    assert first.locate(tmp_path) == (tmp_path / "cmake" / "more.cmake", 3)
+    assert first.locate(tmp_path) == (more, 3)
+
+
+def test_a_file_of_another_project_with_the_same_name_is_not_the_place(tmp_path: Path) -> None:
+    """CMake names the files of a project that a package downloads as seen from that project."""
+    (tmp_path / "CMakeLists.txt").write_text("\n\n\n\nstop()\n")
+    first, _ = read_errors(PRINTED.format(folder="/elsewhere"))
+    assert first.locate(tmp_path) == (None, None)
 
 
 TEXT_OF_DEPRECATION = """\

@@ -215,6 +215,25 @@ def test_what_depends_on_a_failed_package_is_built(tmp_path: Path) -> None:
     assert (tmp_path / "install/second/share/second/launch").is_dir()
 
 
+def test_what_exports_a_target_that_is_left_out(tmp_path: Path) -> None:
+    """With what is not left out; of export(), for which install(EXPORT) is not needed."""
+    exports = """
+add_library(core SHARED core.cpp)
+install(TARGETS node EXPORT nodes DESTINATION lib/demo)
+install(TARGETS core EXPORT cores LIBRARY DESTINATION lib)
+export(EXPORT nodes FILE ${CMAKE_BINARY_DIR}/nodes.cmake NAMESPACE demo::)
+export(EXPORT cores FILE ${CMAKE_BINARY_DIR}/cores.cmake)
+export(TARGETS node FILE ${CMAKE_BINARY_DIR}/node.cmake)
+export(TARGETS node core FILE ${CMAKE_BINARY_DIR}/both.cmake)
+"""
+    write_node(tmp_path, "ament_target_dependencies(node rclcpp)" + exports)
+    (tmp_path / "src/demo/core.cpp").write_text("int core() { return 1; }\n")
+    assert left_out(build_here(tmp_path)) == ("node",)
+    made = {file.name for file in (tmp_path / "build" / "demo").glob("*.cmake")}
+    assert {"cores.cmake", "both.cmake"} <= made
+    assert made.isdisjoint({"nodes.cmake", "node.cmake"})
+
+
 def test_without_a_compiler_files_are_installed(tmp_path: Path) -> None:
     write_node(tmp_path)
     path = link_programs(tmp_path / "programs", *SHELL_PROGRAMS)

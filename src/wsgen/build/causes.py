@@ -94,6 +94,17 @@ OLD_CMAKE = Rule(
     example="cmake_minimum_required(VERSION 3.28)  # with CMake 3.22",
     instead="python3 -m pip install -U cmake",
 )
+REMOVED_POLICY = Rule(
+    code="BLD070",
+    name="removed-policy",
+    severity=Severity.ERROR,
+    summary="A package sets a policy to a behavior that CMake 4 no longer has.",
+    what="Reads the error of CMake, also that of a project which the package brings or downloads.",
+    why="CMake 4 refuses `cmake_policy(SET ... OLD)` for the oldest policies. The CMake of Humble "
+    "and Jazzy is older, and accepts it.",
+    example="cmake_policy(SET CMP0048 OLD)",
+    instead="cmake_policy(SET CMP0048 NEW)",
+)
 MISSING_BUILD_PROGRAM = Rule(
     code="BLD014",
     name="missing-build-program",
@@ -405,6 +416,26 @@ def _missing_compiler(failure: Failure) -> Iterator[Diagnostic]:
             return
 
 
+def _removed_policy(failure: Failure) -> Iterator[Diagnostic]:
+    """Say once that an older CMake accepts it: often the code is somebody else's."""
+    found = []
+    for error in failure.errors:
+        match = re.search(r"Policy (CMP\d+) may not be set to OLD behavior", error.message)
+        if match:
+            found.append((match[1], error))
+    if found:
+        names = ", ".join(dict.fromkeys(name for name, _ in found))
+        where = found[0][1].locate(failure.folder)[0]
+        who = "the package" if where is not None else "a project that the package builds"
+        yield failure.report(
+            REMOVED_POLICY,
+            f"{who} sets {names} to OLD, which CMake 4 refuses.",
+            error=found[0][1],
+            hint="Remove the line. For code that you cannot change, build with an older CMake, as "
+            "that of ROS is: python3 -m pip install 'cmake<4'",
+        )
+
+
 OF_ROS_1 = (
     "The package is one of ROS 1: put an empty file COLCON_IGNORE into its folder, or port it to "
     "ament_cmake."
@@ -463,6 +494,7 @@ MACHINE_CAUSES = (
     _missing_build_program,
     _missing_compiler,
     _cmake_version,
+    _removed_policy,
 )
 
 
@@ -518,6 +550,15 @@ def _missing_package(failure: Failure) -> Iterator[Diagnostic]:
                 hint="Source a ROS (source /opt/ros/<distro>/setup.bash), or install the one that "
                 "comes with wsgen: python3 -m pip install --force-reinstall ros-ament-cmake",
             )
+        elif failure.failed and (name in failure.failed or not _is_released(name)):
+            names = [name] if name in failure.failed else sorted(failure.failed)
+            yield failure.report(
+                MISSING_DEPENDENCY,
+                f"find_package({name}) does not find the package. The build of {', '.join(names)} "
+                f"failed{'' if name in names else ', which may bring it'}.",
+                error=error,
+                hint=f"Correct {', '.join(names)} first.",
+            )
         elif name in failure.siblings:
             yield failure.report(
                 MISSING_DEPENDENCY,
@@ -532,6 +573,10 @@ def _missing_package(failure: Failure) -> Iterator[Diagnostic]:
                 error=error,
                 hint=_where_to_get(name, failure),
             )
+
+
+def _is_released(name: str) -> bool:
+    return name in released_packages() or name in cmake_packages()
 
 
 def _where_to_get(name: str, failure: Failure) -> str:

@@ -18,6 +18,7 @@ from wsgen.build.failure import Failure, fold_details, last_words
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.errors import NotReadableError, RequestError
 from wsgen.files import explain_write_error, find_full_disk, full_folder
+from wsgen.workspace.manifest import BUILD_TAGS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -320,12 +321,15 @@ def _explain_packages(
     build_types = {package.name: package.build_type for package in readable}
     # colcon takes a package with an unreadable manifest for one of plain CMake, and goes on. The
     # failure that follows has its cause in the manifest, which is reported already.
+    manifests = {package.name: package.manifest for package in readable}
+    failing = {result.name for result in failed}
     has_unreadable = len(readable) < len(inventory.packages)
     for result in failed:
         folder = folders.get(result.name)
         if folder is None and has_unreadable:
             continue
         folder = folder or _folder_of(inventory, result.name) or workspace.root
+        manifest = manifests.get(result.name)
         yield from explain(
             Failure(
                 package=result.name,
@@ -336,6 +340,7 @@ def _explain_packages(
                 siblings=folders.keys(),
                 distro=distro,
                 log=result.log_folder,
+                failed=failing & manifest.names(BUILD_TAGS) if manifest is not None else (),
             )
         )
 

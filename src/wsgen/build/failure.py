@@ -28,7 +28,7 @@ _DEPRECATION = re.compile(
 _DEPRECATION_TEXT = re.compile(
     r"^(?:  .*|This warning is for project developers\..*|to suppress it\.)?$"
 )
-_FRAME = re.compile(r"^  (?P<file>\S.*):(?P<line>\d+) \(\w+\)$")
+_FRAME = re.compile(r"^  (?P<file>\S.*):(?P<line>\d+) \((?P<command>\w+)\)$")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,16 +37,26 @@ class CMakeError:
 
     message: str  # on one line
     command: str  # the command that failed; may be empty
-    frames: tuple[tuple[str, int], ...]  # file and 1-based line, the innermost call first
+    # File, 1-based line and command of each call, the innermost first.
+    frames: tuple[tuple[str, int, str], ...]
     names_file: bool  # with or without a line
 
     def locate(self, folder: Path) -> tuple[Path | None, int | None]:
         """Find the innermost call that lies in a file of the folder, which is CMake's source."""
-        for name, line in self.frames:
+        for name, line, command in self.frames:
             file = folder / name  # as it is where the name is absolute
-            if file.is_relative_to(folder) and file.is_file():
+            if file.is_relative_to(folder) and file.is_file() and _calls(file, line, command):
                 return file, line
         return None, None
+
+
+def _calls(file: Path, line: int, command: str) -> bool:
+    """Whether a line has a call of the command: another project has a file of this name, too."""
+    try:
+        lines = file.read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError:
+        return False
+    return not command or command.lower() in "".join(lines[line - 1 : line]).lower()
 
 
 def read_errors(text: str) -> tuple[CMakeError, ...]:
@@ -59,19 +69,20 @@ def _read_errors(lines: list[str]) -> Iterator[CMakeError]:
         heading = _HEADING.match(line)
         if heading is None:
             continue
-        frames = [(heading["file"], int(heading["line"]))] if heading["file"] else []
+        command = heading["command"] or ""
+        frames = [(heading["file"], int(heading["line"]), command)] if heading["file"] else []
         words = [line[heading.end() :].strip()]
         for following in lines[number + 1 :]:
             if following and not following.startswith((" ", "Call Stack")):
                 break
             frame = _FRAME.match(following)
             if frame is not None:
-                frames.append((frame["file"], int(frame["line"])))
+                frames.append((frame["file"], int(frame["line"]), frame["command"]))
             elif not following.startswith("Call Stack"):
                 words.append(following.strip())
         yield CMakeError(
             message=" ".join(" ".join(words).split()),
-            command=heading["command"] or "",
+            command=command,
             frames=tuple(frames),
             names_file=bool(heading["file"] or heading["whole"]),
         )
@@ -144,6 +155,7 @@ class Failure:
     siblings: Collection[str]  # names of all packages of the workspace
     distro: str  # of the ROS that is sourced; empty without one
     log: Path | None  # the folder with everything that was printed
+    failed: Collection[str] = ()  # names of those that it depends on and whose build failed
 
     @property
     def cmake_file(self) -> Path:

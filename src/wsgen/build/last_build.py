@@ -112,8 +112,8 @@ def explain_builds(
     siblings = {package.name for package in packages}
     for one in failed:
         name = one.package.name
-        first = None if one.was_interrupted else _first_error(one, siblings, distro)
         others = [other.package.name for other in failed if other is not one]
+        first = None if one.was_interrupted else _first_error(one, siblings, others, distro)
         if first is not None and any(re.search(rf"\b{other}\b", first.message) for other in others):
             continue
         if first is None:
@@ -125,27 +125,33 @@ def explain_builds(
                 hint="Run `wsgen build`.",
             )
             continue
-        is_edited = first.file is not None and _is_edited(first.file, one)
+        edited = _edited(one, first.file)
         yield FAILED_BUILD.at(
             first.file,
             first.line,
             name,
             message=f"The last build of {name} failed: {first.message.removeprefix(f'{name}: ')}",
-            hint=f"{first.file.name} was changed after that. Run `wsgen build`."
-            if is_edited and first.file
+            hint=f"{edited.name} was changed after that. Run `wsgen build`."
+            if edited is not None
             else f"{first.hint or ''} Then run `wsgen build`.",
         )
 
 
-def _is_edited(file: Path, one: FailedBuild) -> bool:
-    """Whether a file was changed after the build."""
+def _edited(one: FailedBuild, file: Path | None) -> Path | None:
+    """The file of an error, or a build file, that was changed after the build."""
+    folder = one.package.path
+    files = [folder / name for name in ("CMakeLists.txt", "setup.py", "setup.cfg", "package.xml")]
     try:
-        return file.is_file() and file.stat().st_mtime > (one.build_folder / RESULT).stat().st_mtime
+        ended = (one.build_folder / RESULT).stat().st_mtime
+        there = [each for each in (file, *files) if each is not None and each.is_file()]
+        return next((each for each in there if each.stat().st_mtime > ended), None)
     except OSError:
-        return False
+        return None
 
 
-def _first_error(one: FailedBuild, siblings: Collection[str], distro: str) -> Diagnostic | None:
+def _first_error(
+    one: FailedBuild, siblings: Collection[str], others: Sequence[str], distro: str
+) -> Diagnostic | None:
     from wsgen.build.explain import explain  # noqa: PLC0415  most builds succeed
     from wsgen.build.failure import Failure  # noqa: PLC0415  as above
 
@@ -153,6 +159,8 @@ def _first_error(one: FailedBuild, siblings: Collection[str], distro: str) -> Di
     output = "" if log is None else _error_output(log / package.name)
     if not output:
         return None
+    manifest = package.manifest
+    depended = frozenset() if manifest is None else manifest.names(BUILD_TAGS)
     failure = Failure(
         package=package.name,
         folder=package.path,
@@ -162,6 +170,7 @@ def _first_error(one: FailedBuild, siblings: Collection[str], distro: str) -> Di
         siblings=siblings,
         distro=distro,
         log=log,
+        failed=depended.intersection(others),
     )
     return explain(failure)[0]
 

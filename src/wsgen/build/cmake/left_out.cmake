@@ -362,6 +362,17 @@ function(${wsgen_name})
   endif()
 endfunction()
 
+# For other projects of the build tree, what install() exports, or targets.
+function(export)
+  wsgen_keep_built(words ${ARGV})
+  get_property(exports GLOBAL PROPERTY WSGEN_EXPORTS)
+  if(ARGV0 STREQUAL "EXPORT" AND NOT ARGV1 IN_LIST exports
+      OR words MATCHES "^TARGETS;(NAMESPACE|FILE|APPEND|EXPORT_LINK)")
+    return()
+  endif()
+  _export(${words})
+endfunction()
+
 if(wsgen_name STREQUAL "install")
   macro(_install)
     __install(${ARGV})
