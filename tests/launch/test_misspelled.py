@@ -404,3 +404,44 @@ def test_declared_encoding_is_none_of_this(space: InstallSpace) -> None:
     file = space.add("my_robot") / "bad.launch.py"
     file.write_bytes("# coding: latin-1\nx = 'é'\nx = (\n".encode("latin-1"))
     only_message(space.evaluate(file), "LCH001")
+
+
+@pytest.mark.parametrize(
+    ("given", "meant"),
+    [("exec='talker'", "executable"), ("type='talker'", "executable")],
+)
+def test_keywords_of_markup(space: InstallSpace, given: str, meant: str) -> None:
+    plan = space.play(f"Node(package='rviz2', {given})")
+    assert f"Did you mean `{meant}`?" in only_message(plan, "LCH031")
+    plan = space.play("Node(pkg='rviz2', executable='rviz2')")
+    assert "Did you mean `package`?" in only_message(plan, "LCH031")
+
+
+def test_an_import_with_other_capitals(space: InstallSpace) -> None:
+    message = only_message(space.play("", before="from launch import launchDescription"), "LCH017")
+    assert message.startswith("`launch` has no `launchDescription`.")
+    assert "Did you mean `LaunchDescription`?" in message
+
+
+@pytest.mark.parametrize(
+    "joined",
+    [
+        "os.path.join(share, 'x', '/model/r.urdf')",
+        "os.path.join(share, '/model', 'r.urdf')",
+        "PathJoinSubstitution([share, '/model', 'r.urdf']).perform(LaunchContext())",
+    ],
+)
+def test_a_part_of_a_path_that_begins_with_a_slash(space: InstallSpace, joined: str) -> None:
+    before = f"""
+        from launch import LaunchContext
+        share = get_package_share_directory('my_robot')
+        path = {joined}
+        text = open(path).read()
+        """
+    plan = space.play("", before=before)
+    assert "drops what is before '/model" in only_message(plan, "LCH005")
+    (found,) = plan.diagnostics
+    assert joined in plan.launch_file.read_text().splitlines()[(found.line or 0) - 1]
+    assert "without the slash" in (found.hint or "")
+    other = space.play("", before=before.replace("open(path)", "open('/modelx/r.urdf')"))
+    assert "drops" not in only_message(other, "LCH005")

@@ -460,6 +460,7 @@ def test_modules_that_others_install(tmp_path: Path) -> None:
         ("launch_ros.actions import Node -> launch_ros.action import Node", "error"),
         ("launch.substitutions import -> launch.substitution import", "error"),
         ("import Command -> import Comand", "error"),
+        ("launch import LaunchDescription -> launch import launchDescription", "error"),
         ("ament_index_python.packages -> ament_index_python.package", "error"),
         ("import Command -> import Command, OfAnotherDistribution", "info"),
         ("from launch_ros.actions -> from launch.actions", "error"),

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.files import after_scheme, refuse_irregular
 from wsgen.launch.commands import started_launch_files, started_programs
+from wsgen.launch.explain_missing import absolute_part
 from wsgen.launch.known_packages import SURELY
 from wsgen.launch.missing_actions import or_unused_action
 from wsgen.launch.simulators import PACKAGES_OF_GAZEBO, find_simulator
@@ -175,14 +176,28 @@ def read_spawned_file(plan: LaunchPlan, process: Process, path: str) -> Descript
         refuse_irregular(file)  # to read a device may have no end
         text = file.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "it is not text in UTF-8"
-        return _report(
-            UNREADABLE_SPAWN_FILE,
-            process,
-            f"The file to spawn cannot be read: '{path}': {reason}.",
-            "Check the path, and that CMakeLists.txt installs its folder.",
-        )
+        return _unreadable(plan, process, path, error)
     return Description(text, file)
+
+
+def _unreadable(plan: LaunchPlan, process: Process, path: str, error: Exception) -> Diagnostic:
+    """Report a file to spawn that cannot be read."""
+    absolute = absolute_part(path, plan.evaluated_files)
+    if absolute is not None:
+        return UNREADABLE_SPAWN_FILE.at(
+            Path(absolute.file),
+            absolute.line,
+            absolute.text,
+            message=f"The file to spawn, '{path}', does not exist: {absolute.message}",
+            hint=absolute.hint,
+        )
+    reason = getattr(error, "strerror", None) or "it is not text in UTF-8"
+    return _report(
+        UNREADABLE_SPAWN_FILE,
+        process,
+        f"The file to spawn cannot be read: '{path}': {reason}.",
+        "Check the path, and that CMakeLists.txt installs its folder.",
+    )
 
 
 def _from_file(plan: LaunchPlan, spawner: Process, path: str) -> Description | Diagnostic:

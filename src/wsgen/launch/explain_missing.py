@@ -14,6 +14,7 @@ from wsgen.diagnostics import Rule, Severity
 from wsgen.launch import known_packages
 from wsgen.launch.other_places import find_in_package, in_python
 from wsgen.launch.package_lookup import needs_missing_library, targets_left_out
+from wsgen.launch.record import RECORD
 from wsgen.pythontree import parse_anew
 from wsgen.ros_names import released_packages
 from wsgen.source_shares import is_source
@@ -88,6 +89,45 @@ def first_missing(path: str) -> tuple[str, list[str]]:
         return missing.name, os.listdir(missing.parent)
     except OSError:
         return missing.name, []
+
+
+class AbsolutePart(NamedTuple):
+    """A part of a joined path that begins with `/`, so that what is before it has no effect."""
+
+    function: str
+    text: str
+    file: str
+    line: int
+
+    @property
+    def message(self) -> str:
+        """What is wrong."""
+        return f"`{self.function}` drops what is before '{self.text}', which begins with a slash."
+
+    @property
+    def hint(self) -> str:
+        """What to write."""
+        return f"Write '{self.text.lstrip('/')}', without the slash at its beginning."
+
+
+def absolute_part(path: str, files: Iterable[str | Path]) -> AbsolutePart | None:
+    """What is written in launch files of Python that makes a path begin where it does."""
+    for file in files:
+        for call in nodes_of(file):
+            if not isinstance(call, ast.Call):
+                continue
+            name = ast.unparse(call.func)
+            items = getattr(call.args[0], "elts", []) if call.args else []
+            for part in items[1:] if name.endswith("PathJoinSubstitution") else call.args[1:]:
+                text = part.value if isinstance(part, ast.Constant) else None
+                if (
+                    name.endswith(("join", "PathJoinSubstitution"))
+                    and isinstance(text, str)
+                    and text.startswith("/")
+                    and f"{path}/".startswith(f"{text.rstrip('/')}/")
+                ):
+                    return AbsolutePart(name, text, str(file), part.lineno)
+    return None
 
 
 class UnusedAction(NamedTuple):
@@ -314,14 +354,9 @@ def _missing_file(path: str) -> Explanation:
             f"Build {package} in this workspace, or source an installation that has it.",
             element=package,
         )
-    joined = _glued_package(path)
+    joined = _of_join(path)
     if joined is not None:
-        return Explanation(
-            FILE_NOT_INSTALLED,
-            f"The file '{path}' does not exist: '/' is missing after the share folder of {joined}.",
-            f"Write os.path.join(get_package_share_directory('{joined}'), ...).",
-            element=path,
-        )
+        return joined
     missing, beside = first_missing(path)
     near = nearest(missing, beside)
     if near is not None:
@@ -359,6 +394,29 @@ def _missing_file(path: str) -> Explanation:
         f"Install it: install({what} DESTINATION share/${{PROJECT_NAME}}) in the CMakeLists.txt "
         f"of {package}, above ament_package(), then build again. If that is there, check the "
         "spelling of the path.",
+        element=path,
+    )
+
+
+def _of_join(path: str) -> Explanation | None:
+    """A path that was joined in another way than was meant."""
+    absolute = absolute_part(path, RECORD.launch_files)
+    if absolute is not None:
+        return Explanation(
+            FILE_NOT_INSTALLED,
+            f"The file '{path}' does not exist: {absolute.message}",
+            absolute.hint,
+            absolute.file,
+            absolute.line,
+            absolute.text,
+        )
+    glued = _glued_package(path)
+    if glued is None:
+        return None
+    return Explanation(
+        FILE_NOT_INSTALLED,
+        f"The file '{path}' does not exist: '/' is missing after the share folder of {glued}.",
+        f"Write os.path.join(get_package_share_directory('{glued}'), ...).",
         element=path,
     )
 

@@ -139,6 +139,17 @@ API_PACKAGES = frozenset(
 ELSEWHERE = {"Path": "pathlib", "join": "os.path", "dirname": "os.path", "exists": "os.path"}
 MODULES = frozenset(("xacro", "yaml", "launch", "launch_ros", "ament_index_python"))
 LONGEST = 80  # characters of a value
+# What launch files of XML and YAML call it -> the keyword in Python.
+_OF_MARKUP = {
+    "args": "arguments",
+    "exec": "executable",
+    "ns": "namespace",
+    "param": "parameters",
+    "params": "parameters",
+    "pkg": "package",
+    "remap": "remappings",
+    "type": "executable",
+}
 REMOVED = frozenset(("node_executable", "node_name", "node_namespace"))  # keywords of Foxy
 
 
@@ -267,6 +278,7 @@ def _no_such_name(module: str, name: str) -> Explanation:
     here.update(_public_names(module))
     statement = import_line(name)
     near = nearest(name, here) or nearest(name, _importable_names())
+    is_same = near is not None and near.casefold() == name.casefold()
     hint = (
         "Check the spelling. wsgen cannot evaluate names of the launch API that it does not know."
     )
@@ -278,7 +290,7 @@ def _no_such_name(module: str, name: str) -> Explanation:
         hint = did_you_mean(import_line(near) or near)
     return Explanation(
         UNSUPPORTED_API,
-        f"`{module}` has no `{name}`, as far as wsgen knows the launch API.",
+        f"`{module}` has no `{name}`{'' if is_same else ', as far as wsgen knows the launch API'}.",
         hint,
         element=name,
     )
@@ -343,7 +355,9 @@ def of_keyword(error: BaseException) -> Explanation | None:
             given.get(keyword, line),
             keyword,
         )
-    near = nearest(keyword, known - given.keys())
+    free = known - given.keys()
+    in_python = _OF_MARKUP.get(keyword)
+    near = in_python if in_python in free else nearest(keyword, free)
     return Explanation(
         INVALID_KEYWORD,
         f"{said}.",

@@ -206,7 +206,8 @@ def _is_wrong_import(found: Diagnostic) -> bool:
         return False
     meant = suggested(found.hint)
     if meant is not None:
-        return misspelled_as(found.element, [meant]) is not None
+        is_same = found.element.casefold() == meant.casefold()
+        return is_same or misspelled_as(found.element, [meant]) is not None
     used, to_write = _BACKTICKED.search(found.message), _IMPORT_TO_WRITE.search(found.hint or "")
     if used is None or to_write is None:
         return False

@@ -6,7 +6,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
-from wsgen.launch.explain_missing import first_missing, first_missing_path, where_written
+from wsgen.launch.explain_missing import (
+    absolute_part,
+    first_missing,
+    first_missing_path,
+    where_written,
+)
 from wsgen.launch.known_packages import package_of
 from wsgen.launch.other_places import find_in_package, in_python
 from wsgen.sdf.lookup import EMPTY_WORLDS, gazebo_worlds, world_names
@@ -34,6 +39,15 @@ MISSING_WORLD = Rule(
 
 def missing_world(plan: LaunchPlan, file: Path, overlay: Overlay) -> Diagnostic:
     """Report the path of a world that does not exist, at the line that writes it."""
+    absolute = absolute_part(str(file), plan.evaluated_files)
+    if absolute is not None:
+        return MISSING_WORLD.at(
+            Path(absolute.file),
+            absolute.line,
+            absolute.text,
+            message=f"The world file '{file}' does not exist: {absolute.message}",
+            hint=absolute.hint,
+        )
     missing, beside = first_missing(str(file))
     worlds = [name for name in beside if name.endswith((".sdf", ".world"))]
     otherwise = (
