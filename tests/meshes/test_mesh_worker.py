@@ -341,7 +341,7 @@ def test_our_own_readers_raise_nothing_else(tmp_path: Path, kind: str) -> None:
         for changed in damaged(content) if name.endswith(kind) else ():
             with suppress(BrokenMeshError), warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                READ[kind](changed, tmp_path)
+                READ[kind](changed, tmp_path, None)
 
 
 @pytest.mark.parametrize("kind", ["glb", "ply"])

@@ -353,7 +353,8 @@ def test_what_stands(tmp_path: Path) -> None:
     ("old", "new", "code", "severity", "line"),
     [
         ('<mass value="5"/>', '<mass value="5000000"/>', "ROB049", Severity.ERROR, 2),
-        ('<mass value="0.5"/>', '<mass value="5e6"/>', "ROB049", Severity.ERROR, 2),
+        # It is unstable in PyBullet alone.
+        ('<mass value="0.5"/>', '<mass value="5e6"/>', "ROB049", Severity.WARNING, 2),
         ('<mass value="5"/>', '<mass value="5000"/>', "ROB118", Severity.ERROR, 2),
         ('<box size="0.4 0.3 0.1"/>', HUGE_BODY, "ROB048", Severity.WARNING, 2),
         (

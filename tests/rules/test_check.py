@@ -54,7 +54,7 @@ IN_WATER = replace(WORLD, plugins=("gz-sim-buoyancy-system",))
 
 
 def floating(filename: str) -> Robot:
-    return replace(ROBOT, gazebo=(GazeboTag(reference=None, plugins=(Plugin(filename, None),)),))
+    return replace(ROBOT, gazebo=(GazeboTag(reference=None, plugins=(Plugin(filename, {}),)),))
 
 
 def test_what_water_carries_does_not_fall() -> None:

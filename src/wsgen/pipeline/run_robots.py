@@ -23,6 +23,7 @@ from wsgen.pipeline.simulation_result import SimulationResult
 from wsgen.rules.check_run import check_run
 from wsgen.rules.consequences import fold_consequences, joints_beyond_limits
 from wsgen.rules.runs import (
+    ENGINE_UNSTABLE,
     GAINS_ENERGY,
     KEEPS_MOVING,
     NO_BUOYANCY,
@@ -114,21 +115,17 @@ def simulate_robots(  # noqa: PLR0913  what is simulated, and how
     found = _report_unstable(unstable, others)
     if not others:
         return replace(simulated, diagnostics=(*simulated.diagnostics, *found))
-    again, results = simulate(replace(request, engines=others))
+    again, results = simulate(replace(request, engines=others), found)
     runnable = {robot.entity for robot in prepared if robot.can_run}
-    for one in results:
-        if _unstable_robots(one):
-            found = _report_unstable(unstable, others, is_stable=False)
-            return replace(simulated, diagnostics=(*simulated.diagnostics, *found))
-        if runnable - one.runs.keys():
-            return simulated  # it ended before anything was known
-    return replace(again, diagnostics=(*again.diagnostics, *found))
+    is_stable = not any(_unstable_robots(one) or runnable - one.runs.keys() for one in results)
+    return again if is_stable else simulated
 
 
 def _simulate(  # noqa: PLR0913  as above
     world: World,
     prepared: Sequence[PreparedRobot],
     request: ValidateRequest,
+    known: Sequence[Diagnostic] = (),
     *,
     name: str,
     run: Run,
@@ -136,7 +133,10 @@ def _simulate(  # noqa: PLR0913  as above
     progress: Path | None,
     pushes: tuple[Push, ...],
 ) -> tuple[SimulationResult, Sequence[_EngineResult]]:
-    """Simulate the robots in the engines of the request, and check all."""
+    """Simulate the robots in the engines of the request, and check all.
+
+    `known` is what is reported of them already.
+    """
     runnable = [robot for robot in prepared if robot.can_run]
     robots = [robot for robot in prepared if not robot.is_static_model]
     not_run = () if behavior_plan is None else behavior_plan.diagnostics
@@ -160,7 +160,7 @@ def _simulate(  # noqa: PLR0913  as above
         for engine, outcome in zip(request.engines, outcomes, strict=True)
     ]
     found = [*not_run, *changes, *of_all_engines((one.engine, one.diagnostics) for one in results)]
-    found += _compare(runnable, results)
+    found += [*_compare(runnable, results), *known]
     causes, found = _fold(runnable, found)
     first = outcomes[0]
     simulated = SimulationResult(
@@ -189,21 +189,6 @@ ENGINE_CHANGED = Rule(
 )
 
 
-ENGINE_UNSTABLE = Rule(
-    code="SPN108",
-    name="engine-unstable",
-    severity=Severity.INFO,
-    summary="A physics engine is unstable with the robot; another one is tried.",
-    what="Where the pose of a robot becomes infinite, or its energy grows though nothing drives "
-    "it, simulates it in DART, the engine of Gazebo Sim, too, or in MuJoCo where DART is not "
-    "installed. If the robot is stable there, that is the result.",
-    why="Engines differ in what they simulate stably: links with tiny inertias and fast joints "
-    "explode in one and fall in another. What one engine cannot do is no mistake in the robot.",
-    example="wsgen validate robot.urdf",
-    instead="pip install 'wsgen[dart]'\nwsgen validate robot.urdf --engine dart",
-)
-
-
 def _unstable_robots(result: _EngineResult) -> dict[str, str]:
     """The robots with which an engine is unstable, and how that shows."""
     codes = {(one.code, one.element) for one in result.diagnostics if has_errors((one,))}
@@ -217,9 +202,9 @@ def _unstable_robots(result: _EngineResult) -> dict[str, str]:
 
 
 def _report_unstable(
-    unstable: Mapping[str, Mapping[str, str]], others: Sequence[str], *, is_stable: bool = True
+    unstable: Mapping[str, Mapping[str, str]], others: Sequence[str]
 ) -> list[Diagnostic]:
-    """Report in which engines robots are unstable, and what is known of the other engines."""
+    """Report in which engines robots are unstable, where those in `others` are not."""
     tried = name_engines(unstable)
     found = []
     for entity, shown in next(iter(unstable.values())).items():
@@ -229,16 +214,13 @@ def _report_unstable(
                 "Install DART, the engine of Gazebo Sim, which wsgen then tries, too: "
                 "pip install 'wsgen[dart]'"
             )
-        elif is_stable:
+        else:
             other = name_engines(others)
             message = f"{tried} cannot simulate the robot stably: {shown}. The result is {other}'s."
             hint = (
                 f"Add --engine {others[0]} to choose {ENGINE_NAMES[others[0]]} yourself. Inertias "
                 "that are too small for their masses are the usual cause."
             )
-        else:
-            message = f"{name_engines(others)} is unstable with the robot, too."
-            hint = "The cause is in the robot: see what is reported about it."
         found.append(ENGINE_UNSTABLE.at(None, element=entity, message=message, hint=hint))
     return found
 

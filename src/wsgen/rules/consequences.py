@@ -29,6 +29,7 @@ from wsgen.rules.robots import (
     STARTS_OUTSIDE_LIMITS,
 )
 from wsgen.rules.runs import (
+    ENGINE_UNSTABLE,
     ENGINES_DISAGREE,
     FALLS_WITHOUT_END,
     GAINS_ENERGY,
@@ -58,7 +59,7 @@ def _codes(*rules: Rule) -> tuple[str, ...]:
 
 
 # What a run shows.
-EXPLODES = _codes(STATE_NOT_FINITE, THROWN_INTO_THE_AIR, GAINS_ENERGY)
+EXPLODES = _codes(STATE_NOT_FINITE, THROWN_INTO_THE_AIR, GAINS_ENERGY, ENGINE_UNSTABLE)
 FALLS = _codes(FALLS_WITHOUT_END, KEEPS_MOVING, TIPS_OVER, LEANS)
 MOVES = (*_codes(STUCK_IN_GROUND, JOINT_BEYOND_LIMIT), *FALLS, *EXPLODES)
 # The start, and that two engines never agree on what explodes or falls.
@@ -174,7 +175,9 @@ def _with_worst(cause: Diagnostic, consequences: Sequence[Diagnostic]) -> Diagno
     order = list(Severity)
     worst = min(consequences, key=lambda found: order.index(found.severity))
     message = worst.message
-    if not message.startswith("In "):  # else it names its engine
+    if worst.code == ENGINE_UNSTABLE.code:
+        message = f"In the simulation, {message}"
+    elif not message.startswith("In "):  # else it names its engine
         message = f"In the simulation, {message[0].lower()}{message[1:]}"
     return replace(
         cause,

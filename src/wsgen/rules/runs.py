@@ -418,6 +418,21 @@ def gains_energy(  # noqa: PLR0913  facts
         )
 
 
+ENGINE_UNSTABLE = Rule(
+    code="SPN108",
+    name="engine-unstable",
+    severity=Severity.INFO,
+    summary="A physics engine is unstable with the robot; another one is tried.",
+    what="Where the pose of a robot becomes infinite, or its energy grows though nothing drives "
+    "it, simulates it in DART, the engine of Gazebo Sim, too, or in MuJoCo where DART is not "
+    "installed. If the robot is stable there, that is the result.",
+    why="Engines differ in what they simulate stably: links with tiny inertias and fast joints "
+    "explode in one and fall in another. What one engine cannot do is no mistake in the robot.",
+    example="wsgen validate robot.urdf",
+    instead="pip install 'wsgen[dart]'\nwsgen validate robot.urdf --engine dart",
+)
+
+
 JOINT_BEYOND_LIMIT = Rule(
     code="SPN062",
     name="joint-beyond-limit",
