@@ -91,7 +91,7 @@ def test_json(package: Path) -> None:
 
 def test_json_of_a_failure(package: Path) -> None:
     (package / "CMakeLists.txt").write_text(CMAKE + "message(FATAL_ERROR strange)\n")
-    run = wsgen(package, "build", "--format", "json", "-q")
+    run = wsgen(package.parents[1], "build", "--format", "json", "-q")
     document = json.loads(run.stdout)
     assert (run.returncode, document["passed"], run.stderr) == (1, False, "")
     assert document["packages"][0]["state"] == "failed"

@@ -129,7 +129,7 @@ def test_a_script_of_no_package(
 ) -> None:
     commands = []
 
-    def replace(_path: str, command: list[str], _variables: dict[str, str]) -> None:
+    def replace(_path: str, command: tuple[str, ...], _variables: dict[str, str]) -> None:
         commands.append(command)
         raise ReplacedError
 

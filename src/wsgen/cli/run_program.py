@@ -112,7 +112,7 @@ def _join_run(
         variables.setdefault("FASTDDS_BUILTIN_TRANSPORTS", "UDPv4")
 
 
-def _become(words: Sequence[str], variables: Mapping[str, str]) -> NoReturn:
+def _become(words: tuple[str, ...], variables: Mapping[str, str]) -> NoReturn:
     """Become the program."""
     import os
     import signal

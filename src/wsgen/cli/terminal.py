@@ -94,16 +94,12 @@ def _stacked(rows: list[list[Text]], head: list[Text], wrapped: set[int]) -> Ren
     from rich.text import Text
 
     if not head:
-        return Group(
-            *(
-                line
-                for row in rows
-                for line in (
-                    Text("  ").join(row[one] for one in range(len(row)) if one not in wrapped),
-                    *(Padding(row[one], (0, 0, 0, 4)) for one in sorted(wrapped) if row[one]),
-                )
-            )
-        )
+        lines: list[RenderableType] = []
+        for row in rows:
+            kept = (cell for column, cell in enumerate(row) if column not in wrapped)
+            lines.append(Text("  ").join(kept))
+            lines += [Padding(row[one], (0, 0, 0, 4)) for one in sorted(wrapped) if row[one]]
+        return Group(*lines)
     table = Table(
         box=None, show_header=False, show_edge=False, pad_edge=False, padding=(0, 2, 0, 0)
     )
