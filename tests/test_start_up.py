@@ -78,6 +78,7 @@ def test_new_loads_what_it_renders_with(tmp_path: Path) -> None:
         "model",
         "pipeline",  # `create` alone
         "suggestions",
+        "printable",
         "values",
         "templating",
         "tomlfile",
@@ -104,6 +105,7 @@ def test_doctor_loads_no_library_but_what_draws_its_table(tmp_path: Path) -> Non
         "files",
         "isolation",  # a child draws a picture
         "model",
+        "printable",
         "ros_environment",  # what is sourced
         "suggestions",
         "values",

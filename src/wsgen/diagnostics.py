@@ -6,10 +6,15 @@ from enum import Enum
 from pathlib import Path  # noqa: TC003  a child's diagnostics are decoded by their type hints
 from typing import TYPE_CHECKING
 
+from wsgen.printable import clean_line
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+
+
+SHOWN = ("message", "element", "hint")
+LONGEST = 4000  # characters of one of them
 
 
 class Severity(str, Enum):
@@ -33,6 +38,16 @@ class Diagnostic:
     element: str | None = None  # XML path or name of the link, joint, argument meant
     hint: str | None = None  # what to do about it
     reason: str | None = None  # which of the rule's mistakes it is, for code that weighs it
+
+    def __post_init__(self) -> None:
+        """Keep what users' files hold from steering a terminal or a log, or from filling it."""
+        for name in SHOWN:
+            text = self.__dict__[name]
+            if text is None or (text.isprintable() and len(text) <= LONGEST):
+                continue
+            if len(text) > LONGEST:
+                text = f"{text[:LONGEST]}... ({len(text):,} characters)"
+            self.__dict__[name] = clean_line(text)
 
 
 @dataclass(frozen=True, kw_only=True)

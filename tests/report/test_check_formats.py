@@ -14,6 +14,7 @@ import yaml
 from report.test_json_report import documented_keys, keys
 from wsgen.cli.check import command
 from wsgen.cli.check_output import render_report, render_statistics, render_summary
+from wsgen.cli.output import render_diagnostics
 from wsgen.model.robot import Robot
 from wsgen.pipeline.check import CheckOutcome
 from wsgen.pipeline.reported import Reported
@@ -101,7 +102,7 @@ def test_github_gets_a_command_a_line(found: tuple[Diagnostic, ...], tmp_path: P
         "::warning title=ROB019 unnormalized-axis,file=my robots/r.urdf,line=4,col=5,endColumn=24::"
     )
     verbose = list(render_github(found, Places(), tmp_path, verbose=True))
-    assert verbose[2] == "::notice title=ROB054 no-visual::100 %25, `a`: b%0AOne%0Atwo."
+    assert verbose[2] == "::notice title=ROB054 no-visual::100 %25, `a`: b%0AOne two."
     comma = UNNORMALIZED_AXIS.at(Path("a,b:c"), message="m")
     (line,) = render_github([comma], Places(), tmp_path)
     assert "file=a%2Cb%3Ac::m" in line
@@ -118,7 +119,7 @@ def test_junit(found: tuple[Diagnostic, ...], tmp_path: Path) -> None:
     strict = ET.fromstring(render_junit(found, ["p"], tmp_path, seconds=1.5, is_strict=True))
     assert strict.get("failures") == "2"
     bell = NO_VISUAL.at(None, message="a\x07<b>\n")
-    assert "a&lt;b&gt;" in render_junit([bell], [], tmp_path, seconds=0)
+    assert "a\u2407&lt;b&gt;" in render_junit([bell], [], tmp_path, seconds=0)
 
 
 def test_text(found: tuple[Diagnostic, ...], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -199,3 +200,31 @@ def test_a_number_in_a_hint_is_not_what_is_meant(tmp_path: Path) -> None:
     )
     assert place is not None
     assert (place.column, place.end_column) == (3, 22)
+
+
+HOSTILE = "\x1b]0;title\x07\u202eRTL\r\n::error::\x9b31m"
+
+
+def test_no_format_has_characters_that_steer_a_terminal_or_begin_a_line(tmp_path: Path) -> None:
+    file = tmp_path / HOSTILE
+    found = UNNORMALIZED_AXIS.at(file, 1, element=HOSTILE, message=HOSTILE, hint=HOSTILE)
+    assert found.message == found.hint == "␛]0;title␇�RTL␍ ::error::�31m"
+    places = Places()
+    reported = Reported(diagnostics=(found,))
+    texts = (
+        *render_github([found], places, tmp_path),
+        render_junit([found], [HOSTILE], tmp_path, seconds=0.0),
+        render_sarif([found], places, tmp_path),
+        *render_report(reported, places),
+        *render_diagnostics([found]),
+    )
+    for text in texts:
+        assert not re.search(
+            "[\x00-\x08\x0b-\x1f\x7f-\x9f\u202e]", re.sub(r"\x1b\[\d+m", "", text)
+        ), text
+        assert not re.search("^ *::error", text, re.MULTILINE), text
+
+
+def test_a_message_has_an_end() -> None:
+    found = NO_VISUAL.at(None, message="a" * 100_000)
+    assert found.message == "a" * 4000 + "... (100,000 characters)"

@@ -316,9 +316,13 @@ def _check_current_folder() -> None:
 
 
 def _print_error(message: str, hint: str, *, color: bool | None = None) -> None:
-    click.echo(f"{click.style('error:', fg='red', bold=True)} {message}", err=True, color=color)
-    if hint:
-        click.echo(f"{click.style('  try:', fg='green')} {hint}", err=True, color=color)
+    from wsgen.cli.terminal import echo
+
+    labels = (click.style("error:", fg="red", bold=True), click.style("  try:", fg="green"))
+    for label, text in zip(labels, (message, hint), strict=True):
+        if text:
+            # A name with a line break must not begin a line, which may mean something in a log.
+            echo(f"{label} {text.replace(chr(10), f'{chr(10)}  | ')}", err=True, color=color)
 
 
 def _print_usage_error(error: click.ClickException, *, color: bool | None) -> None:

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import click
+from wsgen.cli.terminal import echo
 
 
 def announce(host: str, port: int, *, opens: bool, quiet: bool) -> None:
     """Print the address of a page; open it in a browser if `opens` and somebody would see it."""
     url = url_of(host, port)
-    click.echo(url)
+    echo(url)
     is_seen = opens and _has_desktop() and _open(url)
     if not quiet:
         what = "" if is_seen else "Open this address in a browser. "
-        click.echo(f"{what}Press Ctrl-C to end.", err=True)
+        echo(f"{what}Press Ctrl-C to end.", err=True)
 
 
 def url_of(host: str, port: int) -> str:

@@ -6,6 +6,7 @@ import click
 
 from wsgen.cli.completion import complete_packages
 from wsgen.cli.options import ExampleCommand, format_option, output_options, workspace_option
+from wsgen.cli.terminal import echo
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED
 
 COLCON_ARGUMENTS = "wsgen.colcon_arguments"
@@ -105,11 +106,11 @@ def build_workspace(
         )
     if not (quiet or verbose):
         for text in result.unexplained_output:
-            click.echo(f"       {text}", err=True)
+            echo(f"       {text}", err=True)
     if output_format == "json":
         from wsgen.report.json_report import render_build
 
-        click.echo(render_build(result), nl=False)
+        echo(render_build(result), nl=False)
     else:
         notes = [
             found
@@ -118,19 +119,19 @@ def build_workspace(
         ]
         others = [found for found in result.diagnostics if found not in notes]
         for line in (*render_diagnostics(others), *render_alike(notes)):
-            click.echo(line)
+            echo(line)
         if result.not_built and "--continue-on-error" not in colcon_arguments and not quiet:
             words = [*packages, "--", *colcon_arguments, "--continue-on-error"]
             build_all = next_command(place, shlex.join(["wsgen", "build", *words]))
-            click.echo(
+            echo(
                 f"Next: {build_all}  (builds the packages that do not depend on the failed ones)",
                 err=True,
             )
         has_built = any(package.outcome == "built" for package in result.packages)
         if result.succeeded and not (quiet or goes_on):
             validate = " ".join(["wsgen validate", *packages])
-            click.echo(f"Next: {next_command(place, validate)}", err=True)
+            echo(f"Next: {next_command(place, validate)}", err=True)
         elif has_built and not (result.succeeded or quiet):
             validate = next_command(place, "wsgen validate")
-            click.echo(f"Next: fix the errors, or validate what is built: {validate}", err=True)
+            echo(f"Next: fix the errors, or validate what is built: {validate}", err=True)
     return EXIT_PASSED if result.succeeded else EXIT_FAILED

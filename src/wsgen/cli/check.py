@@ -17,6 +17,7 @@ from wsgen.cli.options import (
     workspace_option,
 )
 from wsgen.cli.report_files import append_summary, require_places, summary_option, with_files
+from wsgen.cli.terminal import echo
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, RequestError
 
 if TYPE_CHECKING:
@@ -176,7 +177,7 @@ def command(
                     outcome, reported, fixed=fixed, fixable=fixable, verbose=verbose
                 )
             for line in lines:
-                click.echo(line)
+                echo(line)
     _write_summary(outcome, reported, summary_file)
     failing = {Severity.ERROR, *([Severity.WARNING] if strict else [])}
     is_failed = any(found.severity in failing for found in reported.diagnostics)
@@ -275,7 +276,7 @@ def _fix_all(
             break
         for file in write_fixes(plan):
             if file not in written:
-                click.echo(f"Fixed {short_name(file)}", err=True)
+                echo(f"Fixed {short_name(file)}", err=True)
             written.add(file)
         fixed += len(plan.fixed)
         outcome, reported = again()
@@ -283,6 +284,8 @@ def _fix_all(
 
 
 def _print_diff(plan: FixPlan) -> None:
+    import sys
+
     from wsgen.cli.words import short_path
     from wsgen.fixes.plan import unified_diff
 
@@ -290,7 +293,9 @@ def _print_diff(plan: FixPlan) -> None:
     for fix in plan.files:
         for line in unified_diff(fix, short_path(fix.file)):
             color = colors.get(line[:1])
-            click.echo(click.style(line, fg=color) if color else line)
+            shown = click.style(line, fg=color) if color else line
+            # In a pipe it is a patch, with all that a file holds.
+            (echo if sys.stdout.isatty() else click.echo)(shown)
 
 
 def _write_baseline(reported: Reported, file: Path) -> None:
@@ -300,7 +305,7 @@ def _write_baseline(reported: Reported, file: Path) -> None:
 
     found = (*reported.diagnostics, *reported.known)
     write_file(file, render_baseline(found, file.absolute().parent))
-    click.echo(f"Wrote {short_name(file)}", err=True)
+    echo(f"Wrote {short_name(file)}", err=True)
 
 
 def _print(
@@ -324,13 +329,13 @@ def _print(
         from wsgen.cli.check_output import render_report
 
         for line in render_report(reported, places, quiet=quiet, verbose=verbose):
-            click.echo(line)
+            echo(line)
         return
     from wsgen.report import check_formats
 
     if output_format == "github":
         for line in check_formats.render_github(found, places, folder, verbose=verbose):
-            click.echo(line)
+            echo(line)
     else:
         if output_format == "json":
             text = check_formats.render_json(outcome, reported, places)
@@ -346,4 +351,4 @@ def _print(
                 is_strict=strict,
                 with_files=with_files(),
             )
-        click.echo(text, nl=False)
+        echo(text, nl=False)

@@ -14,6 +14,7 @@ from wsgen.cli.options import (
     output_options,
     sim_option,
 )
+from wsgen.cli.terminal import echo
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED
 
 if TYPE_CHECKING:
@@ -57,10 +58,10 @@ def command(
     if output_format == "json":
         from wsgen.report.json_report import render_doctor_report
 
-        click.echo(render_doctor_report(report), nl=False)
+        echo(render_doctor_report(report), nl=False)
     else:
         for line in _render(report, quiet=quiet):
-            click.echo(line)
+            echo(line)
     return EXIT_PASSED if report.passed else EXIT_FAILED
 
 

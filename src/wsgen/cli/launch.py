@@ -21,6 +21,7 @@ from wsgen.cli.options import (
     workspace_option,
 )
 from wsgen.cli.report_files import html_option, require_libraries, require_places, write_reports
+from wsgen.cli.terminal import echo
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, RequestError
 
 if TYPE_CHECKING:
@@ -403,9 +404,9 @@ def _write(plan: LaunchPlan, *, output_format: str, show_arguments: bool, quiet:
     if output_format == "json":
         from wsgen.report.json_report import render_plan
 
-        click.echo(render_plan(plan), nl=False)
+        echo(render_plan(plan), nl=False)
         return
     from wsgen.cli.output import render_arguments, render_tree
 
     for line in render_arguments(plan) if show_arguments else render_tree(plan, quiet=quiet):
-        click.echo(line)
+        echo(line)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.cli.terminal import echo
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
     from contextlib import AbstractContextManager
@@ -111,11 +113,11 @@ def run(
 
         def tell(one: Recorded) -> None:
             if one.messages == 0:
-                click.echo(unwritten(one.file), err=True)
+                echo(unwritten(one.file), err=True)
             elif not quiet:
-                click.echo(f"Recorded {written(one.file)}, {_opened_by(one)}", err=True)
+                echo(f"Recorded {written(one.file)}, {_opened_by(one)}", err=True)
             if one.lost:
-                click.echo(_lacking(one), err=True)
+                echo(_lacking(one), err=True)
 
         is_new = seconds is not None and page is None  # --view may be
         is_terminal = sys.stdout is not None and sys.stdout.isatty()
@@ -164,13 +166,11 @@ def _tell_next(
     import contextlib
     import sys
 
-    import click
-
     if quiet or sys.stderr is None or not sys.stderr.isatty():
         return
     for line in _next_steps(selected, request, end, shows=is_new):
         with contextlib.suppress(OSError):  # the terminal may be gone
-            click.echo(line, err=True)
+            echo(line, err=True)
 
 
 def _next_steps(
@@ -265,8 +265,6 @@ def _showing(
     quiet: bool,
 ) -> AbstractContextManager[None]:
     """Show the run of a folder in the browser."""
-    import click
-
     from wsgen.cli.browser import announce
     from wsgen.viewing.live_run import Launched, showing_run
     from wsgen.viewing.view import not_listening
@@ -285,7 +283,7 @@ def _showing(
 
     def tell_failure(error: BaseException) -> None:
         text = f"The page does not show the run any more: {type(error).__name__}: {error}"
-        click.echo(f"{text}\nThe run goes on.", err=True)
+        echo(f"{text}\nThe run goes on.", err=True)
 
     launch_file = selected.file if selected.package else None
     launched = Launched(name, launch_file, diagnostics)
@@ -305,7 +303,6 @@ def run_for_behaviors(
 
 
 def _print(diagnostics: tuple[Diagnostic, ...], *, verbose: bool) -> None:
-    import click
 
     from wsgen.alike import summed_up
     from wsgen.cli.output import MOST_ALIKE, render_diagnostics, without_notes
@@ -315,4 +312,4 @@ def _print(diagnostics: tuple[Diagnostic, ...], *, verbose: bool) -> None:
     if not verbose and not has_errors(diagnostics):
         diagnostics = without_notes(diagnostics)
     for line in render_diagnostics(summed_up(diagnostics), most_alike=most_alike):
-        click.echo(line, err=True)
+        echo(line, err=True)

@@ -18,6 +18,7 @@ from wsgen.cli.options import (
     sim_option,
     workspace_option,
 )
+from wsgen.cli.terminal import echo
 from wsgen.errors import EXIT_PASSED, RequestError
 
 if TYPE_CHECKING:
@@ -143,7 +144,7 @@ def command(
     if output_format == "json":
         from wsgen.report.json_report import render_created
 
-        click.echo(render_created(created), nl=False)
+        echo(render_created(created), nl=False)
     elif dry_run or not quiet:  # --dry-run is for the list of files
         _print_text(created, goes_on=goes_on)
     if dry_run or not goes_on:
@@ -172,24 +173,25 @@ def _print_notes(created: CreatedPackage, *, verbose: bool) -> None:
 
 
 def _note(text: str) -> None:
-    click.echo(f"note: {text}", err=True)
+    echo(f"note: {text}", err=True)
 
 
 def _print_text(created: CreatedPackage, *, goes_on: bool) -> None:
     """Print what was written; the next step, unless wsgen `goes_on` to take it."""
     from wsgen.cli.words import next_command, short_name
+    from wsgen.printable import clean_line
 
     workspace, folder = created.workspace, created.folder
     beside = [workspace.root / name for name in created.workspace_files]
     if not created.is_written:
         for path in (*(folder / name for name in created.files), *beside):
-            click.echo(click.format_filename(path))
-        click.echo("Nothing was written.", err=True)
+            echo(clean_line(str(path)))
+        echo("Nothing was written.", err=True)
         return
     for path in (folder, *beside):
-        click.echo(f"Wrote {short_name(path)}")
+        echo(f"Wrote {short_name(path)}")
     if not goes_on:
-        click.echo(f"Next: {next_command(workspace, 'wsgen build', 'wsgen validate')}")
+        echo(f"Next: {next_command(workspace, 'wsgen build', 'wsgen validate')}")
 
 
 def go_on(created: CreatedPackage, *, validate: bool, quiet: bool, verbose: bool) -> int:

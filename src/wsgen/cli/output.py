@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING
 import click
 
 from wsgen.cli.terminal import Branch, draw_table, draw_tree, fit_lines
-from wsgen.cli.words import short_path
+from wsgen.cli.words import short_name
 from wsgen.diagnostics import Severity, has_errors
 from wsgen.model.outcome import ENGINE_NAMES
+from wsgen.printable import clean_line
 from wsgen.report.launch_tree import cause_of, start_tree
 from wsgen.report.words import result_of, what_it_did, write_xyz
 
@@ -97,7 +98,7 @@ def render_alike(diagnostics: Sequence[Diagnostic]) -> list[str]:
 def _place(diagnostic: Diagnostic) -> str:
     parts = []
     if diagnostic.file is not None:
-        short = short_path(diagnostic.file)
+        short = short_name(diagnostic.file)
         parts.append(short if diagnostic.line is None else f"{short}:{diagnostic.line}")
     if diagnostic.element:
         parts.append(diagnostic.element)
@@ -148,7 +149,7 @@ def _not_validated(packages: Sequence[NotValidated]) -> Iterator[str]:
     for (reason, prefix, _), those in alike.items():
         names = [one.launch_file.name if one.launch_file else one.package for one in those]
         yield f"  {prefix}{', '.join(names)}: {reason}"
-        files = [short_path(file) for one in those for file in one.robot_files]
+        files = [short_name(file) for one in those for file in one.robot_files]
         if files:
             more = f"  # or one of {len(files) - MOST_ALIKE} more" * (len(files) > MOST_ALIKE)
             yield f"   try: {shlex.join(['wsgen', 'validate', *files[:MOST_ALIKE]])}{more}"
@@ -177,11 +178,12 @@ def _package(
     )
     lines = [f"{click.style(_name(package), bold=True)}: {result}"]
     if package.launch_file is not None:
-        lines.append(f"  launch file  {short_path(package.launch_file)}")
+        lines.append(f"  launch file  {short_name(package.launch_file)}")
     if package.world is not None and (package.robots or package.world.file):
         file = package.world.file
         lines.append(
-            f"  world        {package.world.name}" + (f"  {short_path(file)}" if file else "")
+            f"  world        {clean_line(package.world.name)}"
+            + (f"  {short_name(file)}" if file else "")
         )
     if package.robots:
         lines += ["", *_robots(package, quiet=quiet)]
@@ -266,7 +268,7 @@ def most_telling(lines: Sequence[str]) -> list[str]:
 
 def _name(package: PackageOutcome) -> str:
     file = package.file or package.launch_file
-    return package.package or (short_path(file) if file else "(file)")
+    return package.package or (short_name(file) if file else "(file)")
 
 
 def _robots(package: PackageOutcome, *, quiet: bool) -> list[str]:
@@ -315,10 +317,10 @@ def render_arguments(plan: LaunchPlan) -> Iterator[str]:
     yield "Arguments (pass arguments as '<name>:=<value>'):"
     for argument in plan.arguments:
         yield ""
-        yield f"    '{argument.name}':{'*' if argument.is_conditional else ''}"
-        yield f"        {argument.description}"
+        yield f"    '{clean_line(argument.name)}':{'*' if argument.is_conditional else ''}"
+        yield f"        {clean_line(argument.description)}"
         if argument.default is not None:
-            yield f"        (default: {argument.default})"
+            yield f"        (default: {clean_line(argument.default)})"
     if not plan.arguments:
         yield ""
         yield "  No arguments."
@@ -330,7 +332,7 @@ def render_arguments(plan: LaunchPlan) -> Iterator[str]:
 
 def render_tree(plan: LaunchPlan, *, quiet: bool = False) -> Iterator[str]:
     """A tree of what starts, below arguments, environment and includes; then the diagnostics."""
-    yield click.style(short_path(plan.launch_file), bold=True)
+    yield click.style(short_name(plan.launch_file), bold=True)
     yield from _section("arguments", [_argument(argument) for argument in plan.arguments])
     yield from _section(
         "environment", [f"{name}={value}" for name, value in plan.environment.items()]
@@ -354,7 +356,7 @@ def _section(title: str, lines: Sequence[str]) -> Iterator[str]:
     if lines:
         yield ""
         yield click.style(title, bold=True)
-        yield from fit_lines(f"  {line}" for line in lines)
+        yield from fit_lines(f"  {_on_one_line(line)}" for line in lines)
 
 
 def _diagnostics_of(plan: LaunchPlan) -> Iterator[str]:
@@ -370,7 +372,7 @@ def _argument(argument: LaunchArgument) -> str:
 
 
 def _include(include: Include) -> Iterator[str]:
-    name = f"{include.package} {include.file.name}" if include.package else short_path(include.file)
+    name = f"{include.package} {include.file.name}" if include.package else short_name(include.file)
     note = "" if include.evaluated else click.style("  (not installed: not evaluated)", fg="yellow")
     yield f"{name}{note}"
     for argument, value in include.arguments.items():
@@ -380,7 +382,8 @@ def _include(include: Include) -> Iterator[str]:
 def _branches(started: Sequence[Started]) -> tuple[Branch, ...]:
     return tuple(
         Branch(
-            "\n    ".join((_title(one.process), *_details(one.process))), _branches(one.followers)
+            "\n    ".join(map(_on_one_line, (_title(one.process), *_details(one.process)))),
+            _branches(one.followers),
         )
         for one in started
     )
@@ -406,11 +409,16 @@ def _details(process: Process) -> Iterator[str]:
         yield f"arguments: {_clip(' '.join(process.arguments))}"
     for name, value in process.parameters.items():
         if process.description_file is not None and str(value).lstrip().startswith("<"):
-            yield f"{name}: {len(value)} characters from {short_path(process.description_file)}"
+            yield f"{name}: {len(value)} characters from {short_name(process.description_file)}"
         else:
             yield f"{name}: {_clip(str(value))}"
     for source, target in process.remappings:
         yield f"{source} → {target}"
+
+
+def _on_one_line(text: str) -> str:
+    """A name with a line break must not begin another line; styles stay."""
+    return text.replace("\n", " ")
 
 
 def _clip(text: str) -> str:

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from wsgen.cli.terminal import echo
 from wsgen.events import Event, Listener, OutputLine, StepEnded, StepProgressed, StepStarted
+from wsgen.printable import clean_line
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -23,11 +25,11 @@ class LineProgress:
     def __call__(self, event: Event) -> None:
         """Draw one event."""
         if isinstance(event, StepEnded):
-            click.echo(_ended(event), err=True)
+            echo(_ended(event), err=True)
         elif isinstance(event, StepStarted) and (self.verbose or self._tells(event)):
-            click.echo(f"  ...  {_title(event)}", err=True)
+            echo(f"  ...  {_title(event)}", err=True)
         elif isinstance(event, OutputLine) and self.verbose:
-            click.echo(f"       {event.text}", err=True)
+            echo(f"       {event.text}", err=True)
 
     def _tells(self, event: StepStarted) -> bool:
         """Whether a line says that a step begins."""
@@ -82,7 +84,7 @@ def listening(*, quiet: bool, verbose: bool, is_short: bool = False) -> Iterator
 
 
 def _title(event: StepStarted | StepProgressed | StepEnded) -> str:
-    return f"{' '.join(event.step)}  {event.detail}".rstrip()
+    return clean_line(f"{' '.join(event.step)}  {event.detail}".rstrip())
 
 
 def _ended(event: StepEnded) -> str:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from wsgen.cli.terminal import echo
 from wsgen.cli.words import written
 from wsgen.errors import NotFoundError, RequestError
 
@@ -101,7 +102,7 @@ def write_reports(
 
         write_file(Path(html_file), render_page(outcome, folder))
         if not quiet:
-            click.echo(f"Wrote {written(Path(html_file))} (open it in a browser)", err=True)
+            echo(f"Wrote {written(Path(html_file))} (open it in a browser)", err=True)
 
 
 def append_summary(file: str, text: str) -> None:

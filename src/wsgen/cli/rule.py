@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from wsgen.cli.options import ExampleCommand, format_option, output_options
+from wsgen.cli.terminal import echo
 from wsgen.errors import EXIT_PASSED, RequestError
 
 
@@ -32,7 +33,7 @@ def command(
     if output_format == "json":
         from wsgen.report.json_report import render_rules
 
-        click.echo(render_rules(rules), nl=False)
+        echo(render_rules(rules), nl=False)
         return EXIT_PASSED
     if name is not None:
         from wsgen.fixes.registry import FIXERS
@@ -43,7 +44,7 @@ def command(
         rows = [(rule.code, rule.severity.value, rule.name, rule.summary) for rule in rules]
         lines = draw_table(rows, indent="", quiet=quiet)
     for line in lines:
-        click.echo(line)
+        echo(line)
     return EXIT_PASSED
 
 

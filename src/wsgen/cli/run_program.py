@@ -8,6 +8,7 @@ import click
 
 from wsgen.cli.completion import complete_packages_and_files, complete_programs
 from wsgen.cli.options import ExampleCommand, workspace_option
+from wsgen.cli.terminal import echo
 from wsgen.errors import NotFoundError, RequestError
 
 if TYPE_CHECKING:
@@ -84,10 +85,10 @@ def command(
         for diagnostic in changed_since_build(*one)
     ]
     for line in render_diagnostics(changed):
-        click.echo(line, err=True)
+        echo(line, err=True)
     if not ros.is_sourced and words[0] == str(ros.python) == sys.executable:
         for warning in _warnings(words, variables, [one.name for one in packages], shares):
-            click.echo(f"[WARN] [{script.name if script else executable}]: {warning}", err=True)
+            echo(f"[WARN] [{script.name if script else executable}]: {warning}", err=True)
     _join_run(variables, environment, ros)
     _become(words, variables)
 

@@ -24,6 +24,7 @@ from wsgen.cli.options import (
     sim_option,
     workspace_option,
 )
+from wsgen.cli.terminal import echo
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, RequestError
 
 if TYPE_CHECKING:
@@ -273,8 +274,8 @@ def command(
         from wsgen.cli.output import render_diagnostics
 
         for line in render_diagnostics(error.diagnostics):
-            click.echo(line)
-        click.echo(f"{error} Nothing was run.", err=True)
+            echo(line)
+        echo(f"{error} Nothing was run.", err=True)
         return EXIT_FAILED
     if output_format == "json":
         _print_json(outcome, files)
@@ -314,7 +315,7 @@ def _settings(place: Workspace | None, package: str) -> SweepSettings | None:
             settings, found = read_settings(source.path)
             errors = [one for one in found if one.severity is Severity.ERROR]
             for line in render_diagnostics(errors):
-                click.echo(line, err=True)
+                echo(line, err=True)
             return None if errors else settings.sweep or SweepSettings()
     return SweepSettings()
 
@@ -355,16 +356,16 @@ def _print_text(outcome: SweepOutcome, plots: Sequence[Path], *, quiet: bool) ->
     from wsgen.sweeping.summary import render_summary
 
     for line in fit_lines(render_summary(outcome.summary)):
-        click.echo(line)
+        echo(line)
     if quiet:
         return
     for hint in outcome.hints:
-        click.echo(f"note: {hint}", err=True)
+        echo(f"note: {hint}", err=True)
     runs = f"{outcome.summary.done:,} runs"
     kept = ", as it was" if outcome.was_complete else ""
-    click.echo(f"Table: {short_name(outcome.out)} ({runs}{kept})", err=True)
+    echo(f"Table: {short_name(outcome.out)} ({runs}{kept})", err=True)
     for file in plots:
-        click.echo(f"Plot: {short_name(file)}", err=True)
+        echo(f"Plot: {short_name(file)}", err=True)
 
 
 def _print_worst(outcome: SweepOutcome) -> None:
@@ -372,12 +373,12 @@ def _print_worst(outcome: SweepOutcome) -> None:
     from wsgen.sweeping.parameters import write_value
 
     if outcome.worst:
-        click.echo()
-        click.echo("the worst variants")
+        echo()
+        echo("the worst variants")
     for one in outcome.worst:
         values = ", ".join(f"{name}={write_value(value)}" for name, value in one.values.items())
         passes = "  (passes)" if one.passed else ""
-        click.echo(f"  {short_name(one.folder)}  {values}{passes}")
+        echo(f"  {short_name(one.folder)}  {values}{passes}")
 
 
 def _print_json(outcome: SweepOutcome, plots: Sequence[Path]) -> None:
@@ -404,4 +405,4 @@ def _print_json(outcome: SweepOutcome, plots: Sequence[Path]) -> None:
             for one in outcome.worst
         ],
     }
-    click.echo(json.dumps(document, indent=2))
+    echo(json.dumps(document, indent=2))

@@ -6,7 +6,7 @@ import sys
 import time
 from typing import TYPE_CHECKING
 
-import click
+from wsgen.cli.terminal import echo
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -50,7 +50,7 @@ class SweepProgress:
         self.hide()
         last = self._last
         if error is not None and last is not None and not self._is_quiet and last.done < last.runs:
-            click.echo(
+            echo(
                 f"{last.done:,} of {last.runs:,} runs are done. Run the same command again to "
                 "continue.",
                 err=True,
@@ -67,7 +67,7 @@ class SweepProgress:
         if self._status is not None:
             self._status.show(text)
         else:
-            click.echo(f"  {text}", err=True)
+            echo(f"  {text}", err=True)
 
 
 def _describe(progress: Progress) -> str:

@@ -8,6 +8,7 @@ import click
 
 from wsgen.cli.completion import complete_templates
 from wsgen.cli.options import ExampleCommand, format_option, output_options
+from wsgen.cli.terminal import echo
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, RequestError
 
 if TYPE_CHECKING:
@@ -52,15 +53,15 @@ def command(
     if output_format == "json":
         from wsgen.report.json_report import render_templates
 
-        click.echo(render_templates(templates), nl=False)
+        echo(render_templates(templates), nl=False)
     elif name:
-        click.echo("\n".join(_describe(templates[0], quiet=quiet)))
+        echo("\n".join(_describe(templates[0], quiet=quiet)))
     else:
         from wsgen.cli.terminal import draw_table
 
         rows = [(template.name, template.description) for template in templates]
         for line in draw_table(rows, indent="", quiet=quiet):
-            click.echo(line)
+            echo(line)
     return EXIT_PASSED
 
 
@@ -71,14 +72,14 @@ def _check(name: str, output_format: str) -> int:
     if output_format == "json":
         from wsgen.report.json_report import render_template_check
 
-        click.echo(render_template_check(found), nl=False)
+        echo(render_template_check(found), nl=False)
     else:
         from wsgen.cli.output import render_diagnostics
 
         for line in render_diagnostics(found):
-            click.echo(line)
+            echo(line)
         result = "failed" if has_errors(found) else "passed"
-        click.echo(click.style(f"{name}: {result}", bold=True))
+        echo(click.style(f"{name}: {result}", bold=True))
     return EXIT_FAILED if has_errors(found) else EXIT_PASSED
 
 

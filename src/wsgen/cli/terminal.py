@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
+from wsgen.printable import clean_line, clean_styled
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
@@ -27,6 +29,14 @@ if TYPE_CHECKING:
 UNLIMITED = 1_000_000  # columns
 NARROWEST = 20  # columns that a wrapped cell gets in a table
 INDENT = "  "
+
+
+def echo(text: str = "", *, err: bool = False, nl: bool = True, color: bool | None = None) -> None:
+    """`click.echo` of what users' files, names and messages of other programs may have got into.
+
+    Nothing of it moves the cursor, hides or turns text, or sets the title of the window.
+    """
+    click.echo(clean_styled(text), err=err, nl=nl, color=color)
 
 
 class Branch(NamedTuple):
@@ -53,7 +63,7 @@ def draw_table(
     if not rows:
         return []
     if quiet:
-        return [indent + "  ".join(filter(None, row)) for row in rows]
+        return [indent + "  ".join(filter(None, row)).replace("\n", " ") for row in rows]
     from rich import box
     from rich.table import Table
     from rich.text import Text
@@ -68,7 +78,7 @@ def draw_table(
         padding=(0, gap - 1 if headings else gap, 0, 0),  # the box has a column between two
     )
     head = [Text.from_ansi(click.style(heading, bold=True)) for heading in headings]
-    body = [[Text.from_ansi(cell) for cell in row] for row in rows]
+    body = [[Text.from_ansi(cell.replace("\n", " ")) for cell in row] for row in rows]
     count, needed, available = len(rows[0]), -gap, _width() - len(indent)
     broken = {index % count for index in wrapped}
     for column in range(count):
@@ -216,7 +226,7 @@ class StatusLine:
         """Show this text, as it is: rich would read a string as its markup."""
         from rich.text import Text
 
-        self._status.update(Text(text))
+        self._status.update(Text(clean_line(text)))
         self._status.start()
 
     def hide(self) -> None:

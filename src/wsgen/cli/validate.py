@@ -30,6 +30,7 @@ from wsgen.cli.report_files import (
     summary_option,
     write_reports,
 )
+from wsgen.cli.terminal import echo
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, NotFoundError, RequestError
 
 if TYPE_CHECKING:
@@ -246,7 +247,7 @@ def validate_packages(
         write_reports(outcome)
     if outcome.passed and output_format == "text" and not quiet:
         for line in _next_steps(outcome, request, place, answers):
-            click.echo(line, err=True)
+            echo(line, err=True)
     return EXIT_PASSED if outcome.passed else EXIT_FAILED
 
 
@@ -367,7 +368,7 @@ def write_outcome(
     from wsgen.cli.output import render_outcome
 
     for line in render_outcome(outcome, verbose=verbose, quiet=quiet):
-        click.echo(line)
+        echo(line)
 
 
 def _print_github(outcome: Outcome, *, verbose: bool) -> None:
@@ -379,7 +380,7 @@ def _print_github(outcome: Outcome, *, verbose: bool) -> None:
 
     found = dict.fromkeys(one for package in outcome.packages for one in package.diagnostics)
     for line in render_github(found, Places(), Path.cwd(), verbose=verbose):
-        click.echo(line)
+        echo(line)
 
 
 def _write_json(outcome: Outcome, *, output_format: str, json_file: str | None) -> None:
@@ -396,4 +397,4 @@ def _write_json(outcome: Outcome, *, output_format: str, json_file: str | None) 
 
         write_file(Path(json_file), document)
     if output_format == "json":
-        click.echo(document, nl=False)
+        echo(document, nl=False)

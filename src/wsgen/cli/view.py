@@ -16,6 +16,7 @@ from wsgen.cli.options import (
     page_options,
     workspace_option,
 )
+from wsgen.cli.terminal import echo
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, WsgenError
 
 if TYPE_CHECKING:
@@ -105,7 +106,7 @@ def command(
             return EXIT_FAILED
         if found.others and not quiet:
             names = ", ".join(file.name for file in found.others)
-            click.echo(f"Other launch files that spawn robots: {names} (--launch FILE)", err=True)
+            echo(f"Other launch files that spawn robots: {names} (--launch FILE)", err=True)
         _serve(view, found.name, host, port, opens=not no_browser, quiet=quiet, verbose=verbose)
     return EXIT_PASSED
 
@@ -125,9 +126,9 @@ def _serve(
         if not quiet:
             first = short_path(Path(changed[0]))
             more = f" and {len(changed) - 1} more" if len(changed) > 1 else ""
-            click.echo(f"Changed: {first}{more}", err=True)
+            echo(f"Changed: {first}{more}", err=True)
         if isinstance(found, WsgenError):
-            click.echo(f"error: {found.message}\n  try: {found.hint}", err=True)
+            echo(f"error: {found.message}\n  try: {found.hint}", err=True)
         else:
             print_diagnostics(found, verbose=verbose)
 
@@ -147,4 +148,4 @@ def print_diagnostics(found: DescribedScene, *, verbose: bool) -> None:
 
     most_alike = None if verbose else MOST_ALIKE
     for line in render_diagnostics(found.diagnostics, most_alike=most_alike):
-        click.echo(line, err=True)
+        echo(line, err=True)

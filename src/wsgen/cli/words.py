@@ -6,9 +6,9 @@ import os
 import shlex
 from typing import TYPE_CHECKING
 
-import click
-
+from wsgen.cli.terminal import echo
 from wsgen.errors import NotFoundError, RequestError
+from wsgen.printable import clean_line
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -89,7 +89,7 @@ def short_path(path: Path) -> str:
 
 def short_name(path: Path) -> str:
     """The path relative to the current folder if it is below it, made printable."""
-    return click.format_filename(short_path(path))
+    return clean_line(short_path(path))
 
 
 def written(file: Path) -> str:
@@ -107,7 +107,7 @@ def tell_unfinished(video: Path) -> None:
 
     text = f"{video} was not finished: wsgen was ended before it was drawn.{_kept(video)}"
     with contextlib.suppress(OSError):  # the terminal may be gone
-        click.echo(text, err=True)
+        echo(text, err=True)
 
 
 def unwritten(recording: Path) -> str:
@@ -136,8 +136,8 @@ def announce_place(workspace: Workspace, given: str | None) -> None:
 
     here = current_folder()
     if given is None and workspace.root in here.parents:
-        name = click.format_filename(workspace.root)
-        click.echo(f"note: The current folder is in the workspace {name}, which is used.", err=True)
+        name = clean_line(str(workspace.root))
+        echo(f"note: The current folder is in the workspace {name}, which is used.", err=True)
 
 
 def engine_words(request: ValidateRequest) -> list[str]:

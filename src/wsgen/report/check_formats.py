@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,7 +12,8 @@ from wsgen import __version__
 from wsgen.diagnostics import Severity
 from wsgen.fixes.registry import FIXERS, has_fix
 from wsgen.pipeline.baseline import without_lines
-from wsgen.report.json_report import VERSION, diagnostic_to_json
+from wsgen.printable import clean, clean_line
+from wsgen.report.json_report import VERSION, diagnostic_to_json, dump_json
 from wsgen.report.junit import Case, Failure, Suite, render_suites
 from wsgen.rules.catalogue import find_rule, to_markdown
 
@@ -59,7 +59,7 @@ def render_json(outcome: CheckOutcome, reported: Reported, places: Places) -> st
         "known": len(reported.known),
         "seconds": round(outcome.seconds, 4),
     }
-    return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return dump_json(document)
 
 
 def _placed(found: Diagnostic, places: Places) -> dict[str, Any]:
@@ -90,7 +90,7 @@ def render_sarif(diagnostics: Sequence[Diagnostic], places: Places, folder: Path
         ],
     }
     document = {"$schema": SARIF_SCHEMA, "version": SARIF_VERSION, "runs": [run]}
-    return json.dumps(document, indent=2, ensure_ascii=False) + "\n"
+    return dump_json(document)
 
 
 def _sarif_rule(code: str) -> dict[str, Any]:
@@ -170,7 +170,7 @@ def render_github(
 
 
 def _data(text: str) -> str:
-    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+    return clean(text).replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
 
 
 def _property(text: str) -> str:
@@ -200,7 +200,7 @@ def render_junit(  # noqa: PLR0913  half of them have defaults
 
 
 def _junit_case(found: Diagnostic, folder: Path, failing: set[Severity]) -> Case:
-    file = relative_name(found.file, folder)
+    file = clean_line(relative_name(found.file, folder))
     place = f"{file}:{found.line}" if found.line else file
     text = "\n".join(filter(None, (place, full_message(found))))
     is_failure = found.severity in failing

@@ -8,10 +8,10 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-import re
 from typing import TYPE_CHECKING, Any
 
 from wsgen.diagnostics import has_errors
+from wsgen.printable import escape_json
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -40,6 +40,16 @@ if TYPE_CHECKING:
 VERSION = 1  # changes only when a key is removed or changes its meaning
 
 
+def dump_json(document: object) -> str:
+    """A document as it is printed and written: two blanks a level, no NaN.
+
+    A file's name may have bytes that are no characters; Python's `os.fsencode` takes the escapes
+    back.
+    """
+    text = json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False)
+    return f"{escape_json(text)}\n"
+
+
 def render_outcome(outcome: Outcome) -> str:
     """An outcome, for `wsgen validate`; docs/json.md lists the keys."""
     document = {
@@ -49,9 +59,7 @@ def render_outcome(outcome: Outcome) -> str:
         "packages": [_package(package) for package in outcome.packages],
         "not_validated": [_not_validated(one) for one in outcome.not_validated],
     }
-    text = json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    # A file's name may have bytes that are no characters; Python's `os.fsencode` takes these back.
-    return re.sub("[\ud800-\udfff]", lambda found: f"\\u{ord(found[0]):04x}", text)
+    return dump_json(document)
 
 
 def render_created(created: CreatedPackage) -> str:
@@ -65,7 +73,7 @@ def render_created(created: CreatedPackage) -> str:
         "workspace_files": list(created.workspace_files),
         "written": created.is_written,
     }
-    return json.dumps(document, indent=2) + "\n"
+    return dump_json(document)
 
 
 def render_build(result: BuildResult) -> str:
@@ -87,7 +95,7 @@ def render_build(result: BuildResult) -> str:
         "log": _path(result.log_folder),
         "seconds": round(result.seconds, 4),
     }
-    return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return dump_json(document)
 
 
 def diagnostic_to_json(diagnostic: Diagnostic) -> dict[str, Any]:
@@ -236,7 +244,7 @@ def render_plan(plan: LaunchPlan) -> str:
         ],
         "diagnostics": [diagnostic_to_json(found) for found in plan.diagnostics],
     }
-    return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return dump_json(document)
 
 
 def _argument(argument: LaunchArgument) -> dict[str, Any]:
@@ -323,7 +331,7 @@ def render_template_check(diagnostics: Sequence[Diagnostic]) -> str:
 
 
 def _text(document: dict[str, Any]) -> str:
-    return json.dumps({"version": VERSION, **document}, indent=2, ensure_ascii=False) + "\n"
+    return dump_json({"version": VERSION, **document})
 
 
 def _template(template: Template) -> dict[str, Any]:
@@ -373,7 +381,7 @@ def render_doctor_report(report: DoctorReport) -> str:
         "ros": [_requirement(one) for one in report.ros],
         "apt": report.apt,
     }
-    return json.dumps(document, indent=2) + "\n"
+    return dump_json(document)
 
 
 def _requirement(one: Requirement) -> dict[str, object]:
@@ -400,4 +408,4 @@ def render_rules(rules: Iterable[Rule]) -> str:
             for rule in rules
         ],
     }
-    return json.dumps(document, indent=2, ensure_ascii=False) + "\n"
+    return dump_json(document)

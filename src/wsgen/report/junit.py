@@ -7,10 +7,10 @@ but for `file` and `line` of a test case, with which GitLab links to the source.
 from __future__ import annotations
 
 import html
-import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from wsgen.printable import clean
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
 SCHEMA = "junit-10.xsd of the xUnit plugin of Jenkins"
 WITH_FILES = ", but for the attributes file and line of a testcase, which GitLab reads"
-# What XML cannot have, and control characters that no reader shows.
-_UNPRINTABLE = re.compile("[^\\t\\n\\x20-\\x7e\\xa0-\\ud7ff\\ue000-\\ufffd\\U00010000-\\U0010ffff]")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -127,12 +125,8 @@ def _case(case: Case, *, with_files: bool) -> Iterator[str]:
 
 
 def _escaped(text: str) -> str:
-    return html.escape(_printable(text))
+    return html.escape(clean(text))
 
 
 def _quoted(text: str) -> str:
     return f'"{_escaped(text).replace(chr(10), "&#10;").replace(chr(9), "&#9;")}"'
-
-
-def _printable(text: str) -> str:
-    return _UNPRINTABLE.sub("", text)
