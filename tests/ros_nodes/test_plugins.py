@@ -12,6 +12,7 @@ from ros_nodes.fake_ros import ROVER, live_scene, plugin, rover_engine, simulati
 from ros_nodes.gz_bridge import bridged
 from ros_nodes.sensor_messages import install_sensor_messages
 from wsgen.model.robot import Surface
+from wsgen.model.transform import Pose
 from wsgen.rules.bodies import DRAGGING_CASTER
 
 if TYPE_CHECKING:
@@ -527,6 +528,23 @@ def test_why_wheels_slip(wheels: Surface, caster: float, causes: set[str], simul
     assert ("friction of its wheels" in warning) == (wheels.grip < 0.3)
     assert warning.endswith("something is in its way.")
     assert len(warning) < 280
+
+
+@pytest.mark.parametrize("simulator", DRIVES)
+def test_wheels_that_hang_in_the_air_are_named(simulator: str) -> None:
+    engine = rover_engine(positions=lambda seconds: {"left": 5.0 * seconds, "right": 5.0 * seconds})
+    base, *others = ROVER.links
+    box, ball = base.collisions
+    x, y, z = ball.pose_in_link.xyz
+    low = replace(ball, pose_in_link=Pose((x, y, z - 0.012)))
+    robot = replace(ROVER, links=(replace(base, collisions=(box, low)), *others))
+    scene = live_scene(DRIVES[simulator], simulator=simulator, robot=robot)
+    simulation, ros = simulation_of(scene, engine)
+    simulation.spawn("rover")
+    simulation.advance(2.5)
+    (warning,) = (text for text in ros.warnings if "slip" in text)
+    assert "not touch the ground: `base` reaches 12 mm lower." in warning
+    assert all(f"`{link.name}`" in warning for link in others)
 
 
 def test_the_friction_for_casters_is_that_of_the_rule() -> None:

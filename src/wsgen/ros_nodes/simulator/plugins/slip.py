@@ -25,6 +25,8 @@ LEAST_TURN = 1.0  # rad, likewise
 SLIPPING = 0.5  # of the way by the wheels
 TURNING = 0.2  # of the turn by the wheels; those of skid steering slip by more than half
 DRAGGING = 0.1  # friction coefficient; what has less hardly holds a robot
+HANGING = 0.002  # m above the lowest point of the robot; engines have margins of 1 mm
+NAMED = 2  # at most so many wheels are named
 CLEAR = 0.02  # m above the lowest point of the wheels; what is higher does not drag on flat ground
 
 
@@ -95,6 +97,9 @@ class SlipWatch:
 
     def _why(self) -> str:
         """What can be the reason, the likely one first."""
+        hanging = self._hanging()
+        if hanging:
+            return hanging
         grip = self._robot.robot.least_grip(self._driven)
         drags = self._has_dragging()
         if grip < LITTLE_GRIP:
@@ -110,13 +115,37 @@ class SlipWatch:
             )
         return "Little of its weight is on these wheels, or something is in its way."
 
+    def _hanging(self) -> str | None:
+        """Which driven wheels touch nothing and end above what the robot stands on."""
+        wheels = self._links_of_wheels()
+        touching = {contact.link for contact in self._robot.contacts()}
+        found = list(self._lowest_points())
+        ground, lowest = min(((z, link) for link, _, z in found), default=(0.0, ""))
+        ends: dict[str, float] = {}
+        for link, _, z in found:
+            if link in wheels - touching:
+                ends[link] = min(z, ends.get(link, z))
+        hanging = [link for link, z in ends.items() if z > ground + HANGING]
+        if not hanging:
+            return None
+        high = max(ends[link] - ground for link in hanging)
+        names = " and ".join(f"`{link}`" for link in hanging[:NAMED])
+        names += f" and {len(hanging) - NAMED} more" if len(hanging) > NAMED else ""
+        return (
+            f"{names} {'does' if len(hanging) == 1 else 'do'} not touch the ground: "
+            f"`{lowest}` reaches {1000 * high:.0f} mm lower. Raise that, or lower the wheels."
+        )
+
+    def _links_of_wheels(self) -> set[str]:
+        """The links that the driven joints turn."""
+        return {joint.child for joint in self._robot.robot.joints if joint.name in self._driven}
+
     def _has_dragging(self) -> bool:
         """Whether something beside the wheels is as low as these, and has friction.
 
         Heights are those in the frame of the root, which stands level on a ramp, too.
         """
-        robot = self._robot.robot
-        wheels = {joint.child for joint in robot.joints if joint.name in self._driven}
+        wheels = self._links_of_wheels()
         found = list(self._lowest_points())
         ground = min((z for link, _, z in found if link in wheels), default=math.inf)
         return any(
