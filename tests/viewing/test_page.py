@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import gc
+import logging
 import os
 import socket
 from typing import TYPE_CHECKING, Any
@@ -53,6 +55,29 @@ def test_names_of_files_may_have_any_bytes(page: Any, origin: str | None) -> Non
         received = b""
         while b"links" not in received:
             received += connection.recv(timeout=SECONDS)
+
+
+def test_what_is_no_message_of_the_page_prints_nothing(
+    page: Any, capfd: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture
+) -> None:
+    from websockets.exceptions import ConnectionClosed  # noqa: PLC0415  as above
+
+    camera = b"\x82\xa4type\xb3ViewerCameraMessage\xa4wxyz\xa1x"
+    unknown = b"\x83\xa4type\xb0GuiUpdateMessage\xa4uuid\xa1x\xa7updates\x07"
+    for sent in ("text", b"", b"\xff\xff", b"\x81\xa4type\xa6NoSuch", camera, unknown):
+        with contextlib.suppress(TimeoutError, ConnectionClosed), open_page(page) as connection:
+            connection.send(sent)
+            while True:
+                connection.recv(timeout=0.5)
+    with open_page(page) as connection:
+        connection.recv(timeout=SECONDS)  # the page is still there
+    with socket.create_connection((HOST, page.port)) as plain:
+        plain.sendall(b"\0" * 300)
+        plain.recv(1)
+    gc.collect()  # asyncio reports what has failed when that is forgotten
+    printed = capfd.readouterr()
+    assert (printed.out, printed.err) == ("", "")
+    assert [one.message for one in caplog.records if one.levelno >= logging.WARNING] == []
 
 
 @pytest.mark.parametrize("origin", ["https://example.org", "http://localhost.example.org", "null"])

@@ -9,10 +9,13 @@ from __future__ import annotations
 import contextlib
 import io
 import itertools
+import logging
 import math
+import os
 import random
 import re
 import threading
+import warnings
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -66,6 +69,7 @@ class Quiet(viser.ViserServer):
     """The server, without its words on standard output and its link to a public relay."""
 
     def __init__(self, host: str, port: int, label: str) -> None:
+        _say_nothing_of_clients()
         # It prints a panel, whatever it is told.
         with contextlib.redirect_stdout(io.StringIO()), _pages_of_this_machine_alone(host):
             super().__init__(host=host, port=port, label=clean(label), verbose=False)
@@ -78,6 +82,21 @@ class Quiet(viser.ViserServer):
         """Stop, and wait for it."""
         with contextlib.redirect_stdout(io.StringIO()):
             super().stop()
+
+
+TRACEBACK = "WSGEN_TRACEBACK"  # a variable; set, what clients bring about is printed
+
+
+def _say_nothing_of_clients() -> None:
+    """Print nothing where a client sends what is no message of the page.
+
+    websockets and asyncio log a traceback for each, and viser warns.
+    """
+    if os.environ.get(TRACEBACK):
+        return
+    for name in ("websockets.server", "asyncio"):
+        logging.getLogger(name).disabled = True
+    warnings.filterwarnings("ignore", message=r"\[viser\]")
 
 
 LOOPBACK = re.compile(r"(localhost|127(\.\d+){3}|::1|\[::1\])")
