@@ -238,7 +238,11 @@ def test_an_interrupt_ends_with_130(tmp_path: Path) -> None:
         (["new", "a", "--simm", "gz"], "wsgen new has no option --simm.", "Did you mean `--sim`?"),
         (["new", "a", "--sim", "gazebo"], "'gazebo' is not one of 'classic', 'gz'.", "wsgen new"),
         (["validate", "--seconds", "many"], "'many' is not a number.", "wsgen validate --help"),
-        (["validate", "--seconds"], "Option '--seconds' requires an argument.", "wsgen"),
+        (
+            ["validate", "--seconds"],
+            "Option '--seconds' requires an argument.",
+            "wsgen validate --help",
+        ),
         (["validate", "--verbos"], "wsgen validate has no option --verbos.", "`--verbose`?"),
         (["launch"], "Missing argument", "wsgen launch [OPTIONS]"),
         (["topic", "eco"], "'eco' is not a command of wsgen topic.", "wsgen topic echo"),

@@ -23,6 +23,9 @@ def test_a_launch_file_stands_for_its_package(
     other.parent.mkdir()
     other.touch()  # its name alone would be that of two
     assert launch_file_of([str(other)], None) == ("demo", "launch/sim/demo.launch.py", place)
+    simulation = file.with_name("simulation.py")
+    simulation.write_text("def generate_launch_description():\n    pass\n")
+    assert launch_file_of([str(simulation)], None) == ("demo", "simulation.py", place)
     for names in (["demo"], ["robot.urdf"], ["robot.py"], [], [str(tmp_path)]):
         assert launch_file_of(names, "other.launch.py") is None
 
@@ -43,8 +46,11 @@ def test_a_launch_file_that_stands_for_nothing(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(NotFoundError, match=r"launch file missing\.launch\.py does not exist"):
-        launch_file_of(["missing.launch.py"], None)
+    write_package(tmp_path / "ws")
+    for name, package in (("missing", "PACKAGE"), ("demo", "demo")):
+        with pytest.raises(NotFoundError, match="does not exist") as raised:
+            launch_file_of([f"{name}.launch.py"], None)
+        assert raised.value.hint.endswith(f": {package} --launch {name}.launch.py")
     (tmp_path / "demo.launch.py").touch()
     with pytest.raises(RequestError, match=message):
         launch_file_of(names, launch_file)

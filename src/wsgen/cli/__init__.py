@@ -187,7 +187,7 @@ def run(arguments: Sequence[str]) -> int:
         _print_error(error.message, error.hint, color=colors.wanted)
         code = error.exit_code
     except click.ClickException as error:
-        _print_usage_error(error, color=colors.wanted)
+        _print_usage_error(error, arguments, color=colors.wanted)
         code = EXIT_REQUEST
     except (KeyboardInterrupt, SystemExit, click.Abort) as end:
         code = _report_end(end)
@@ -325,11 +325,16 @@ def _print_error(message: str, hint: str, *, color: bool | None = None) -> None:
             echo(f"{label} {text.replace(chr(10), f'{chr(10)}  | ')}", err=True, color=color)
 
 
-def _print_usage_error(error: click.ClickException, *, color: bool | None) -> None:
+def _print_usage_error(
+    error: click.ClickException, arguments: Sequence[str], *, color: bool | None
+) -> None:
     """Print what click refused in the form of all errors."""
     ctx = getattr(error, "ctx", None)
     if ctx is None:
-        _print_error(f"{error.format_message().rstrip('.')}.", "wsgen --help", color=color)
+        command = next((f" {one}" for one in arguments[:1] if one in COMMANDS), "")
+        _print_error(
+            f"{error.format_message().rstrip('.')}.", f"wsgen{command} --help", color=color
+        )
         return
     if error.message.startswith("Usage: "):  # click gives the help to whom gives no words
         error.show()

@@ -49,10 +49,22 @@ def launch_file_of(
     """
     from pathlib import Path
 
+    from wsgen.pipeline.launch_file_lookup import packages_with
     from wsgen.pipeline.plan_launch import package_of
-    from wsgen.workspace.layout import LAUNCH_FILES, find_launch_files, workspace_around
+    from wsgen.workspace.layout import (
+        LAUNCH_FILES,
+        find_launch_files,
+        has_launch_function,
+        workspace_around,
+        workspace_if_any,
+    )
 
-    given = [name for name in names if name.endswith(LAUNCH_FILES) and not Path(name).is_dir()]
+    given = [
+        name
+        for name in names
+        if (name.endswith(LAUNCH_FILES) and not Path(name).is_dir())
+        or (name.endswith(".py") and has_launch_function(Path(name)))
+    ]
     if not given:
         return None
     if len(names) > 1 or launch_file is not None:
@@ -64,9 +76,11 @@ def launch_file_of(
         )
     file = Path(given[0])
     if not file.is_file():
+        package = next(iter(packages_with(workspace_if_any(None), given[0])), "PACKAGE")
         raise NotFoundError(
             f"The launch file {file} does not exist.",
-            hint=f"Check its path, or name the package: PACKAGE --launch {shlex.quote(file.name)}",
+            hint="Check its path, or name the package: "
+            f"{package} --launch {shlex.quote(file.name)}",
         )
     package = package_of(file)
     if package is None:

@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING
 
 from wsgen.errors import RequestError
 from wsgen.suggestions import ask_for_nearest
-from wsgen.workspace.layout import LAUNCH_FUNCTION, find_launch_files
+from wsgen.workspace.layout import LAUNCH_FUNCTION, find_launch_files, find_packages
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from wsgen.workspace.layout import Workspace
 
 
 TEST_FUNCTION = b"def generate_test_description("
@@ -37,6 +39,15 @@ def no_such_launch_file(package: str, wanted: str, files: Sequence[Path]) -> Req
         f"{package} does not install a launch file {wanted}.",
         hint=f"{ask_for_nearest(Path(wanted).name, names)}Installed: {', '.join(names) or 'none'}.",
     )
+
+
+def packages_with(workspace: Workspace | None, name: str) -> list[str]:
+    """The packages of a workspace whose source has a launch file of this name."""
+    return [
+        package.name
+        for package in (() if workspace is None else find_packages(workspace))
+        if any(file.name == name for file in find_launch_files(package.path))
+    ]
 
 
 def find_misnamed(folder: Path) -> tuple[Path, str] | None:

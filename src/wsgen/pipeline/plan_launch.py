@@ -14,7 +14,7 @@ from wsgen.launch.evaluate import evaluate
 from wsgen.launch.known_packages import prefix
 from wsgen.pipeline.changed_since_build import changed_since_build, shares_of, used_packages
 from wsgen.pipeline.clock import Clock
-from wsgen.pipeline.launch_file_lookup import no_such_launch_file
+from wsgen.pipeline.launch_file_lookup import no_such_launch_file, packages_with
 from wsgen.pipeline.requests import SelectedLaunchFile
 from wsgen.pipeline.sources import name_sources
 from wsgen.pipeline.started import name_markers
@@ -144,10 +144,11 @@ def _choose(
     if not names_file and overlay.share(first) is not None:
         raise _no_file_named(first, require_share(overlay, workspace, first))
     if not names_file:
+        package = next(iter(packages_with(workspace, first)), "PACKAGE")
         raise RequestError(
             f"The launch file {first!r} does not exist.",
             hint="Give its path, or a package and the name of a launch file: "
-            "wsgen launch PACKAGE FILE",
+            f"wsgen launch {package} {'FILE' if package == 'PACKAGE' else first}",
         )
     if workspace is None and overlay.share(first) is None and not overlay.packages():
         open_workspace(None)  # raises an error that names the workspaces, if there are several

@@ -343,11 +343,12 @@ def find_launch_files(folder: Path) -> tuple[Path, ...]:
         file
         for file in list_files(folder, (".py", *LAUNCH_FILES), markers=BUILD_MARKERS)
         if file.name.endswith(LAUNCH_FILES)
-        or (file.parent.name == "launch" and _is_launch_file(file))
+        or (file.parent.name == "launch" and has_launch_function(file))
     )
 
 
-def _is_launch_file(file: Path) -> bool:
+def has_launch_function(file: Path) -> bool:
+    """Whether a file has the function of a launch file in Python."""
     try:
         return LAUNCH_FUNCTION in read_regular(file, MOST_BYTES)
     except (OSError, ValueError):
