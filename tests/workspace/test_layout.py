@@ -197,6 +197,18 @@ def test_the_home_folder_needs_evidence(root: Path) -> None:
     assert find_workspace(home) == Workspace(root=home)
 
 
+def test_a_folder_of_everybody_captures_nobody(tmp_path: Path) -> None:
+    shared, own = tmp_path / "shared", tmp_path / "shared" / "own" / "demo"
+    write_package(shared, "loose")
+    own.mkdir(parents=True)
+    (shared / "install").mkdir()
+    (shared / "install" / ".colcon_install_layout").write_text("isolated\n")
+    assert find_workspace(own) == Workspace(root=shared)
+    shared.chmod(0o1777)  # as /tmp
+    assert find_workspace(own) is None
+    assert find_workspace(shared) == Workspace(root=shared)
+
+
 def test_an_ignored_folder_is_no_workspace(root: Path) -> None:
     (root / "COLCON_IGNORE").touch()
     assert find_workspace(root) is None

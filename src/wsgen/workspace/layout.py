@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shlex
+import stat
 from dataclasses import field
 from itertools import islice
 from pathlib import Path
@@ -51,6 +52,7 @@ def _without_manifest(source: Path) -> Iterator[Path]:
 
 INSTALL_LAYOUT = ".colcon_install_layout"  # colcon writes it into an install space
 BUILT_BY = ".built_by"  # and this into a build space
+FOR_ALL = stat.S_ISVTX | stat.S_IWOTH  # the mode of a folder in which everybody has files
 LOG_OF_BUILD = "latest_build"  # a link to the log of the last `colcon build`
 WRITTEN_BY_COLCON = (INSTALL_LAYOUT, BUILT_BY)
 IGNORE_MARKERS = frozenset({"COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE"})
@@ -213,17 +215,17 @@ def find_workspace(start: Path) -> Workspace | None:
     """
     start = start.absolute()
     marked: Workspace | None = None
-    package = _package_around(start)
+    package, around = _package_around(start), _around(start)
     for folder in (start, *start.parents):
         source = folder / "src"
         is_inside = start == source or source in start.parents
-        is_of_home = _is_exposed(folder) and not (is_inside or start == folder)
+        is_near = is_inside or start == folder
         if _exists(folder / "COLCON_IGNORE"):
             continue
-        has_marks = not is_of_home and _is_marked(folder)
+        has_marks = (is_near or folder in around) and _is_marked(folder)
         if has_marks and marked is None:
             marked = Workspace(root=folder)
-        if not (is_inside or start == folder) or _exists(folder / "package.xml"):
+        if not is_near or _exists(folder / "package.xml"):
             continue
         if _is_exposed(folder) and not has_marks:
             continue
@@ -254,7 +256,7 @@ def find_source_tree(start: Path) -> Workspace | None:
     It is the repository around the folder, or else the package around it with those beside it.
     """
     start = start.absolute()
-    folders = [folder for folder in (start, *start.parents) if not _is_exposed(folder)]
+    folders = _around(start)
     package = _package_around(start)
     repository = next((folder for folder in folders if _exists(folder / ".git")), None)
     if repository is not None and _holds_packages(repository, package):
@@ -268,8 +270,7 @@ def find_source_tree(start: Path) -> Workspace | None:
 
 
 def _package_around(start: Path) -> Path | None:
-    folders = (folder for folder in (start, *start.parents) if not _is_exposed(folder))
-    return next((folder for folder in folders if _exists(folder / "package.xml")), None)
+    return next((one for one in _around(start) if _exists(one / "package.xml")), None)
 
 
 def _may_hold_packages(folder: Path) -> bool:
@@ -285,6 +286,23 @@ def _exists(path: Path) -> bool:
 def _is_exposed(folder: Path) -> bool:
     """Whether `src` in this folder may have any purpose."""
     return folder in {Path(folder.anchor), Path.home()}
+
+
+def _around(start: Path) -> list[Path]:
+    """A folder and those above it, but for those with whatever else a user or everybody has."""
+    return [
+        folder
+        for folder in (start, *start.parents)
+        if not (_is_exposed(folder) or (folder != start and _is_of_everybody(folder)))
+    ]
+
+
+def _is_of_everybody(folder: Path) -> bool:
+    """Whether everybody may write there, as in /tmp."""
+    try:
+        return folder.stat().st_mode & FOR_ALL == FOR_ALL
+    except OSError:
+        return False
 
 
 def find_packages(workspace: Workspace) -> tuple[PackageFolder, ...]:
