@@ -673,6 +673,7 @@ BUILDS: dict[str, Plant] = {
     "BLD059": build(files={"scripts/my_node.py": SCRIPT}),
     "BLD061": build(files={"scripts/my_node.py": SCRIPT}, is_good_code=False),
     "BLD062": build(files=CMAKE_LAUNCH),
+    "BLD071": build(files=CMAKE_LAUNCH),
     "BLD068": build(
         TOP + FIND + "find_package(pluginlib REQUIRED)\n@\n",
         files={

@@ -67,6 +67,12 @@ def test_a_sound_package(tmp_path: Path) -> None:
         (START.partition("\n")[2] + INSTALL + END, ("missing-cmake-minimum", 1, "warning")),
         (START.replace("3.8", "2.8") + INSTALL + END, ("old-cmake-minimum", 1, "warning")),
         (START + INSTALL + "ament_pakage()\n" + END, ("unknown-command", 5, "error")),
+        (START + INSTALL.replace("DESTINATION", "DESTNATION") + END,
+         ("misspelled-keyword", 4, "error")),
+        (START + INSTALL + "find_package(rclcpp REQURIED)\n" + END,
+         ("misspelled-keyword", 5, "error")),
+        (START + INSTALL + "add_library(part SHRAED src/node.cpp)\n" + END,
+         ("misspelled-keyword", 5, "error")),
         (START + INSTALL + "find_package(ament_lint_auto REQUIRED)\n" + END,
          ("test-package-required", 5, "warning")),
         (START + INSTALL + "add_subdirectory(drivers)\n" + END,
@@ -102,6 +108,38 @@ def test_a_sound_package(tmp_path: Path) -> None:
 )  # fmt: skip
 def test_mistakes(tmp_path: Path, text: str, expected: tuple[str, int, str]) -> None:
     assert report(tmp_path, text) == [expected]
+
+
+def test_names_that_are_no_keywords(tmp_path: Path) -> None:
+    text = START + "find_package(Boost COMPONENTS SYSTEM REQUIRED)\n" + INSTALL
+    text += "install(FILES OPTIONL DESTINATION share/${PROJECT_NAME})\n" + END
+    assert report(tmp_path, text, OPTIONL="a file") == []
+
+
+@pytest.mark.parametrize(
+    ("written", "kind", "there"),
+    [
+        ("FILES a.urdf", "file", "urdf/a.urdf"),
+        ("FILES config/b.yaml", "file", "param/b.yaml"),
+        ("PROGRAMS patrol.py", "file", "scripts/patrol.py"),
+        ("DIRECTORY meshes", "folder", "model/meshes"),
+    ],
+)
+def test_what_is_elsewhere_in_the_package(
+    tmp_path: Path, written: str, kind: str, there: str
+) -> None:
+    file = tmp_path / there / ("x.stl" if kind == "folder" else "")
+    file.parent.mkdir(parents=True)
+    file.write_text(PROGRAM)
+    text = f"{START}install({written} DESTINATION share/bot)\n{END}"
+    (tmp_path / "CMakeLists.txt").write_text(text)
+    found = read_build_facts(tmp_path, "bot", "ament_cmake")[1]
+    (missing,) = [one for one in found if one.name == "missing-installed-path"]
+    name = written.partition(" ")[2]
+    assert missing.message == (
+        f"bot: install() names the {kind} {name}, which does not exist; {there} does."
+    )
+    assert missing.hint == f"Did you mean `{there}`?"
 
 
 def test_install_after_ament_package_works(tmp_path: Path) -> None:

@@ -221,6 +221,8 @@ CASES: list[tuple[str, ...]] = [
     ("different-names", "CMakeLists.txt", "project(my_robot)", "project(my_robots)"),
     ("unknown-command", "CMakeLists.txt", "ament_package()", "ament_pakage()"),
     ("missing-destination", "CMakeLists.txt", "\n  DESTINATION share/${PROJECT_NAME}", ""),
+    ("misspelled-keyword", "CMakeLists.txt", "DESTINATION", "DESTNATION"),
+    ("misspelled-keyword", "CMakeLists.txt", "REQUIRED", "REQURIED"),
     (
         "command-after-ament-package",
         "CMakeLists.txt",

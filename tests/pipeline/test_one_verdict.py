@@ -44,6 +44,7 @@ SLIPS = {  # name of the package -> file, what is right there, what is wrong, th
         "/controler.yaml",
         "ROB110",
     ),
+    "build_file": ("CMakeLists.txt", "DESTINATION", "DESTNATION", "BLD071"),
     "manifest": ("package.xml", "<version>", "<version>v", "PKG005"),
 }
 

@@ -18,6 +18,7 @@ from wsgen.build_files.cmake_checks import (
     MISSING_CMAKE_MINIMUM,
     MISSING_DESTINATION,
     MISSING_PROJECT,
+    MISSPELLED_KEYWORD,
     OLD_CMAKE_MINIMUM,
     REPEATED_AMENT_PACKAGE,
     UNKNOWN_COMMAND,
@@ -32,6 +33,7 @@ from wsgen.build_files.cmake_checks import (
     word_source,
     word_unknown_command,
 )
+from wsgen.build_files.cmake_keywords import meant_keyword, word_keyword
 from wsgen.build_files.cmake_text import find_open_block, parse, read_calls, read_text
 from wsgen.build_files.install_checks import word_missing_path
 from wsgen.diagnostics import Diagnostic, Rule, Severity, has_errors
@@ -295,6 +297,24 @@ def failed_download(failure: Failure) -> Iterator[Diagnostic]:
         )
 
 
+def misspelled_keyword(failure: Failure) -> Iterator[Diagnostic]:
+    """Find a misspelled keyword in the call that CMake refuses."""
+    for error in failure.errors:
+        file, line = error.locate(failure.folder)
+        for call in read_calls(file) if file is not None else ():
+            for word, number in zip(call.arguments[1:], call.argument_lines[1:], strict=True):
+                folders = [str(file.parent)] if file is not None else []
+                meant = meant_keyword(call.command, word, folders=folders)
+                if call.line == line and meant is not None:
+                    yield failure.report(
+                        MISSPELLED_KEYWORD,
+                        word_keyword(call.command, word),
+                        file=file,
+                        line=number,
+                        hint=did_you_mean(meant),
+                    )
+
+
 def missing_destination(failure: Failure) -> Iterator[Diagnostic]:
     """Say where to install to."""
     for error in failure.errors:
@@ -347,6 +367,7 @@ CMAKE_CAUSES = (
     unknown_language,
     missing_source,
     failed_download,
+    misspelled_keyword,
     missing_destination,
     different_names,
     late_command,

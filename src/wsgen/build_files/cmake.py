@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.build_files import cmake_commands, cmake_regex
 from wsgen.build_files.cmake_calls import InstallRule, Mention
+from wsgen.build_files.cmake_keywords import KEYWORDS, meant_keyword
 from wsgen.build_files.cmake_text import (
     BRACKET,
     QUOTED,
@@ -72,6 +73,8 @@ class Reader:
         self.environment: list[tuple[str, str]] = []  # of the hooks: variable, path
         self.produced: set[str] = set()  # paths that commands write
         self.components: list[tuple[str, Mention]] = []  # programs of rclcpp_components
+        # Keywords: the file, the command, the word as it is written, and what it means.
+        self.misspelled: list[tuple[Path, str, Argument, str]] = []
         self.mistake: tuple[Path, SyntaxMistake] | None = None
         self.open_block: tuple[Path, Call | None, Call | None] | None = None
         self.is_whole = True
@@ -356,6 +359,8 @@ class Reader:
         if name in self.functions:
             self._run_function(call, arguments)
             return
+        if name in KEYWORDS:
+            arguments = self._with_meant_keywords(name, arguments)
         mention = Mention(
             call,
             tuple(arguments),
@@ -372,6 +377,18 @@ class Reader:
         elif not cmake_commands.is_harmless(name):
             self.has_foreign = True
             self.is_whole = self.knows_commands = False
+
+    def _with_meant_keywords(self, command: str, words: list[Argument]) -> list[Argument]:
+        """The arguments of a call as they are meant; misspelled keywords are noted."""
+        found = []
+        for position, word in enumerate(words):
+            meant = None
+            if word.kind == UNQUOTED and position > 0:  # the first is a name or a form
+                meant = meant_keyword(command, word.text, folders=[str(self.folder)])
+            if meant is not None:
+                self.misspelled.append((self.file, command, word, meant))
+            found.append(word if meant is None else word._replace(text=meant))
+        return found
 
     def _run_function(self, call: Call, arguments: list[Argument]) -> None:
         head, body, file = self.functions[call.command]

@@ -10,6 +10,7 @@ from wsgen.build_files.cmake_calls import Mention, texts
 from wsgen.build_files.cmake_commands import COMMANDS as EVALUATED
 from wsgen.build_files.cmake_commands import is_harmless
 from wsgen.build_files.cmake_install import meant_form
+from wsgen.build_files.cmake_keywords import word_keyword
 from wsgen.build_files.cmake_values import is_known, version
 from wsgen.diagnostics import Rule, Severity
 from wsgen.suggestions import ask_for_nearest, did_you_mean, nearest
@@ -52,6 +53,18 @@ UNKNOWN_COMMAND = Rule(
 ament_pakage()""",
     instead="""find_package(ament_cmake REQUIRED)
 ament_package()""",
+)
+MISSPELLED_KEYWORD = Rule(
+    code="BLD071",
+    name="misspelled-keyword",
+    severity=Severity.ERROR,
+    summary="A command has a word that is nearly one of its keywords.",
+    what="Looks for words in capitals in the calls of install(), find_package(), add_library() and "
+    "others that differ from a keyword in a letter or two and are no files.",
+    why="CMake takes the word for a file, a library or a component: it stops, or does not do what "
+    "the keyword says.",
+    example="install(DIRECTORY launch DESTNATION share/${PROJECT_NAME})",
+    instead="install(DIRECTORY launch DESTINATION share/${PROJECT_NAME})",
 )
 MISSING_DESTINATION = Rule(
     code="BLD028",
@@ -311,6 +324,7 @@ def check_commands(reader: Reader, build_type: str) -> Iterator[Diagnostic]:
     yield from test_packages(reader.required, reader.name)
     yield from subdirectories(reader)
     yield from sources(reader)
+    yield from keywords(reader)
 
 
 def syntax(
@@ -667,6 +681,18 @@ def subdirectories(reader: Reader) -> Iterator[Diagnostic]:
                 hint=f"{asks}Run `git submodule update --init` if it is a submodule, or remove the "
                 "call.",
             )
+
+
+def keywords(reader: Reader) -> Iterator[Diagnostic]:
+    """Report misspelled keywords."""
+    for file, command, word, meant in reader.misspelled:
+        yield MISSPELLED_KEYWORD.at(
+            file,
+            word.line,
+            word.text,
+            message=f"{reader.name}: {word_keyword(command, word.text)}",
+            hint=did_you_mean(meant),
+        )
 
 
 SOURCES = frozenset((".c", ".cc", ".cpp", ".cxx"))

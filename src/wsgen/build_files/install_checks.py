@@ -15,9 +15,10 @@ from wsgen.build_files.cmake_checks import (
 )
 from wsgen.build_files.cmake_install import relative_destination
 from wsgen.build_files.cmake_values import is_known
+from wsgen.build_files.elsewhere import find_elsewhere
 from wsgen.diagnostics import Rule, Severity
 from wsgen.files import read_regular
-from wsgen.suggestions import ask_for_nearest, nearest, some_of
+from wsgen.suggestions import ask_for_nearest, did_you_mean, nearest, some_of
 from wsgen.values import NamedTuple, lazy_pattern
 
 if TYPE_CHECKING:
@@ -324,6 +325,16 @@ def word_missing_path(  # noqa: PLR0913, PLR0917  the name, and where it is writ
     """Report a path that install(), or a command that calls it, names and that does not exist."""
     path = source / name
     beside = os.listdir(path.parent) if path.parent.is_dir() else []
+    meant = find_elsewhere(source, path.name, is_folder=kind == "folder")
+    if meant is not None:
+        return MISSING_INSTALLED_PATH.at(
+            file,
+            line,
+            package,
+            message=f"{package}: {command}() names the {kind} {name}, which does not exist; "
+            f"{meant} does.",
+            hint=did_you_mean(meant),
+        )
     return MISSING_INSTALLED_PATH.at(
         file,
         line,

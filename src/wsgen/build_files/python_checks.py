@@ -9,6 +9,7 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from wsgen.build_files.elsewhere import find_elsewhere
 from wsgen.build_files.install_checks import (
     RESOURCES,
     WRONG_DESTINATION,
@@ -288,7 +289,11 @@ def word_data_file(
         beside = [entry.name for entry in path.parent.iterdir()] if path.parent.is_dir() else []
         message = f"data_files names {name}, which does not exist."
         hint = f"{ask_for_nearest(base, beside)}Create it, or remove it from data_files."
-        if folder == "resource":
+        meant = find_elsewhere(source, base)
+        if meant is not None:
+            message = f"{message.removesuffix('.')}; {meant} does."
+            hint = did_you_mean(meant)
+        elif folder == "resource":
             hint = (
                 f"Create the empty file: mkdir -p {folder}; touch {name}"
                 if base == package

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.fixes.cmake_source import Command
+    from wsgen.fixes.cmake_source import Argument, Command
     from wsgen.fixes.source import SourceText
 
 
@@ -182,6 +182,24 @@ def fix_command_name(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edi
     return [Edit(start=command.start, end=command.start + len(written[1]), text=meant)]
 
 
+_KEYWORD = re.compile(r"(\w+)\(\) has no keyword (\w+)\.")
+
+
+def fix_keyword(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Write the suggested keyword."""
+    named, meant = _KEYWORD.search(diagnostic.message), suggested(diagnostic.hint)
+    if named is None or meant is None:
+        return []
+    written = [
+        argument
+        for command in read_commands(source)
+        if command.name == named[1]
+        for argument in command.arguments
+        if argument.text == named[2] and source.line_at(argument.start) == diagnostic.line
+    ]
+    return [Edit(start=one.start, end=one.end, text=meant) for one in written[:1]]
+
+
 def add_destination(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     """Give install() the destination in which ROS looks."""
     command = command_at(source, diagnostic.line, "install")
@@ -211,17 +229,24 @@ def fix_installed_path(diagnostic: Diagnostic, source: SourceText) -> Sequence[E
     first = next((n for n, word in enumerate(_words(command)) if word == "DESTINATION"), None)
     listed = command.arguments[1:first]
     written = [one for one in listed if one.text.rstrip("/") == named[1].rstrip("/")]
-    if first is None or len(written) != 1 or command.arguments[0].text not in SHARED:
+    if first is None or len(written) != 1:
         return []
     one, meant = written[0], suggested(diagnostic.hint)
     if meant is not None:
-        folder, _, last = named[1].rstrip("/").rpartition("/")
-        if not is_surely(last, meant):
-            return []
-        text = f"{folder}/{meant}" if folder else meant
+        text = _installed_name(named[1].rstrip("/"), meant)
         if text not in {other.text.rstrip("/") for other in listed}:
             slash = "/" if one.text.endswith("/") else ""
-            return [Edit(start=one.start, end=one.end, text=f"{text}{slash}")]
+            edit = Edit(start=one.start, end=one.end, text=f"{text}{slash}")
+            return [edit] if text else []
+    return _without(source, command, one, listed)
+
+
+def _without(
+    source: SourceText, command: Command, one: Argument, listed: Sequence[Argument]
+) -> Sequence[Edit]:
+    """Install what is listed without one of it; nothing of programs, which somebody wrote."""
+    if command.arguments[0].text not in SHARED:
+        return []
     if len(listed) == 1:
         return _remove(source, command.start, command.end)
     before = command.arguments[command.arguments.index(one) - 1]
@@ -229,6 +254,14 @@ def fix_installed_path(diagnostic: Diagnostic, source: SourceText) -> Sequence[E
     if (start, end) == (one.start, one.end):
         start = before.end
     return [Edit(start=start, end=end, text="")]
+
+
+def _installed_name(written: str, meant: str) -> str:
+    """What to install for a path: its name elsewhere, or the one beside it; empty if not sure."""
+    folder, _, last = written.rpartition("/")
+    if meant.rpartition("/")[2] == last:
+        return meant
+    return "/".join(filter(None, (folder, meant))) if is_surely(last, meant) else ""
 
 
 _UNKNOWN_ARGUMENT = re.compile(r"does not know the argument (\w+) of setup\(\)")

@@ -58,6 +58,7 @@ FIXERS: Mapping[str, Fixer] = {
     "unknown-language": build_files.fix_language,
     "unknown-command": build_files.fix_command_name,
     "missing-destination": build_files.add_destination,
+    "misspelled-keyword": build_files.fix_keyword,
     "unknown-setup-option": build_files.fix_setup_option,
     "broken-console-script": build_files.fix_script_folder,
     "command-after-ament-package": build_files.move_ament_package,

@@ -99,7 +99,8 @@ def _of_packages(
     plan = validation.started.plan if validation.started else None
     names = [validation.package] if validation.selected.is_first else []
     if plan is not None:
-        names += [one.package for one in (*plan.processes, *plan.includes) if one.package]
+        names += [one.package for one in plan.processes if one.package]
+        names += [one.package for one in plan.includes if one.package]
     for name in dict.fromkeys(names):
         package = packages.get(name)
         if package is None:

@@ -317,8 +317,8 @@ def play(  # noqa: PLR0913  what to play, where, how
         raise RequestError(f"Cannot record a video: {problem}.", hint="Record a .gif, for example.")
     selected = selected_package(launch_file, package, overlay, workspace)
     outcome = Validation(selected, overlay, request.shared_by(1), listener).run()
-    outcomes = (replace(outcome, package=package),)
-    outcomes, _ = _with_failed_builds(outcomes, (), overlay, request)
+    own = replace(outcome, package=package)
+    outcomes, _ = _with_failed_builds((own,), (), overlay, request)
     return Outcome(packages=_with_general(outcomes, overlay, request))
 
 
