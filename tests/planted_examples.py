@@ -1674,6 +1674,41 @@ OTHERS: dict[str, Plant] = {
             "worlds/office.sdf": SIMULATED["worlds/office.sdf"],
         },
     ),
+    "LCH097": Plant(
+        file="scripts/talk.py",
+        around=IN_NODE.replace("import Twist", "import Twist, TwistStamped"),
+        files=COMMANDED
+        | node("").files
+        | {
+            LAUNCH_FILE: WITH_SPAWNER,
+            "config/controllers.yaml": DIFF_CONTROLLER + "diff_drive_controller:\n"
+            "  ros__parameters:\n    left_wheel_names: [left_wheel_joint]\n"
+            "    right_wheel_names: [right_wheel_joint]\n",
+            "CMakeLists.txt": cmake(
+                "config launch urdf worlds",
+                "install(PROGRAMS scripts/talk.py DESTINATION lib/${PROJECT_NAME})\n",
+            ),
+        },
+    ),
+    "LCH098": Plant(
+        file="scripts/talk.py",
+        around=IN_NODE.replace(
+            "import rclpy\n", "import rclpy\nfrom sensor_msgs.msg import LaserScan\n"
+        ),
+        files=SIMULATED
+        | node("").files
+        | {
+            LAUNCH_FILE: GZ
+            + CREATE
+            + "Node(package='ros_gz_bridge', executable='parameter_bridge', arguments=["
+            "'/scan@sensor_msgs/msg/LaserScan[gz.msgs.LaserScan']),\n])\n",
+            "CMakeLists.txt": cmake(
+                "launch urdf worlds",
+                "install(PROGRAMS scripts/talk.py DESTINATION lib/${PROJECT_NAME})\n",
+            ),
+        },
+        is_good_code=False,
+    ),
     "ROB150": Plant(
         file="config/controllers.yaml",
         around=DIFF_CONTROLLER + "@\n    right_wheel_names: [right_wheel_joint]\n"

@@ -96,6 +96,18 @@ def python_files(facts: BuildFacts) -> dict[Path, bool]:
     return found
 
 
+def program_files(facts: BuildFacts) -> dict[str, Path]:
+    """The Python files that programs of a package start with, by the names of the programs."""
+    modules = {
+        module: file for package in facts.python_packages for file, module in _modules(package)
+    }
+    found = {
+        one.name: one.source or modules.get((one.entry_point or "").partition(":")[0])
+        for one in facts.executables
+    }
+    return {name: file for name, file in found.items() if file is not None}
+
+
 def _modules(package: PythonPackage) -> Iterator[tuple[Path, str]]:
     """The files of a Python package or module, and their names when they are imported."""
     if package.source.suffix == ".py":

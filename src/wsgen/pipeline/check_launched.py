@@ -18,6 +18,7 @@ from wsgen.rules import (
     frames,
     launch_files,
     mesh_addresses,
+    node_topics,
     parameter_files,
     simulators,
     worlds,
@@ -116,6 +117,17 @@ def check_launched(  # noqa: PLR0913  most have defaults
             world=name,
             models=_models(started, world),
         )
+
+
+def topics_of_launch(
+    started: Started, nodes: Collection[tuple[str | None, str | None]]
+) -> node_topics.Graph:
+    """The topics of what a launch file starts, but for its Python nodes, which `nodes` names."""
+    robots = tuple(_descriptions(started))
+    files = {file: _parameters(file) for file in controllers.parameter_files(robots)}
+    found = bridges.find_bridges(started.plan)
+    graph = node_topics.graph_of(started.plan, found.topics, robots, files, nodes)
+    return graph._replace(is_whole=graph.is_whole and found.are_all)
 
 
 def check_addresses(started: Started, share_of: ShareOf) -> Iterator[Diagnostic]:

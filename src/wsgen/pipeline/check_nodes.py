@@ -5,18 +5,24 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wsgen.build_files.python_sources import python_files
+from wsgen.build_files.python_sources import program_files, python_files
 from wsgen.diagnostics import Severity
+from wsgen.launch.commands import started_programs
+from wsgen.pipeline.check_launched import topics_of_launch
+from wsgen.rules.node_topics import UsedTopic, remapped, unheard_commands, unpublished_topics
 from wsgen.rules.python_nodes import check_node, idle_program
 from wsgen.workspace.python_nodes import KINDS, read_node_file
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.build_facts import BuildFacts
+    from wsgen.model.plan import Process
+    from wsgen.pipeline.started import Started
     from wsgen.workspace.layout import PackageFolder
+    from wsgen.workspace.python_nodes import NodeFile
 
 
 def check_nodes(build: BuildFacts, packages: Mapping[str, PackageFolder]) -> Iterator[Diagnostic]:
@@ -45,3 +51,64 @@ def _interfaces(folder: Path) -> frozenset[str]:
         for file in (folder / kind).iterdir()
         if file.suffix in {f".{kind}", ".idl"}
     )
+
+
+# In names of packages that read or publish commands and topics of sensors under other names.
+_BETWEEN = ("mux", "nav2", "navigation", "smoother", "relay", "tools", "stamper", "servo", "joy")
+
+
+def check_topics(
+    package: PackageFolder,
+    started: Sequence[Started],
+    facts: Mapping[str, BuildFacts],
+    packages: Mapping[str, PackageFolder],
+) -> Iterator[Diagnostic]:
+    """Compare the topics of nodes with those of the robot that a package spawns.
+
+    Args:
+        package: Whose launch files spawn it.
+        started: What its launch files start.
+        facts: What the packages of the workspace install.
+        packages: All packages of the workspace.
+    """
+    manifests = {name: one.manifest for name, one in packages.items() if one.manifest}
+    names = {package.name} | {
+        name
+        for name, one in manifests.items()
+        if package.name in {dependency.name for dependency in one.dependencies}
+    }
+    builds = {name: facts[name] for name in names if name in facts}
+    declared = {
+        dependency.name
+        for name in names & manifests.keys()
+        for dependency in manifests[name].dependencies
+    }
+    if any(word in name for name in declared for word in _BETWEEN) or any(
+        target.kind == "executable" for build in builds.values() for target in build.targets
+    ):
+        return
+    nodes = {
+        (name, program): node
+        for name, build in builds.items()
+        for program, file in program_files(build).items()
+        if (node := read_node_file(file)) is not None
+    }
+    if not nodes:
+        return
+    graphs = [topics_of_launch(one, nodes.keys()) for one in started]
+    processes = {
+        (program.package, program.executable): program
+        for one in started
+        for program in started_programs(one.plan)
+    }
+    used = [
+        topic for key, node in nodes.items() for topic in _used_topics(node, processes.get(key))
+    ]
+    yield from unheard_commands(graphs, used)
+    yield from unpublished_topics(graphs, used)
+
+
+def _used_topics(node: NodeFile, program: Process | None) -> Iterator[UsedTopic]:
+    for one in node.topics:
+        name = None if one.name is None else remapped(one.name, program)
+        yield UsedTopic(name, one.type, one.is_published, one.name or "", node.file, one.line)

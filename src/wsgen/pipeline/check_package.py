@@ -26,6 +26,7 @@ from wsgen.pipeline.check_launched import (
     check_worlds,
     loaded_worlds,
 )
+from wsgen.pipeline.check_nodes import check_topics
 from wsgen.pipeline.check_severities import (
     is_included,
     of_file_alone,
@@ -169,6 +170,12 @@ class PackageCheck:
             self.package,
             [one.written for one in self.robots],
             [one.started.plan for one in candidates],
+        )
+        yield from check_topics(
+            self.package,
+            [one.started for one in candidates],
+            self.installed.facts,
+            self.installed.sources,
         )
         yield from check_controlled(
             ((one.written, one.file) for one in self.robots),

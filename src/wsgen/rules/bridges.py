@@ -11,7 +11,7 @@ from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.launch.commands import started_launch_files, started_programs
 from wsgen.markup import read_text
 from wsgen.rules.simulators import BRIDGES
-from wsgen.suggestions import advice, did_you_mean, nearest
+from wsgen.suggestions import LONG_ENOUGH, advice, did_you_mean, mistakes_between, nearest
 from wsgen.values import NamedTuple, lazy_pattern
 
 if TYPE_CHECKING:
@@ -384,7 +384,9 @@ def _near_topic(topic: str, known: Collection[str]) -> str | None:
         (index,) = differing
         is_name = is_default and parts[index - 1] in {"world", "model", "link", "sensor"}
         cutoff = ALIKE if is_default else SURELY
-        if is_name or nearest(parts[index], [others[index]], cutoff=cutoff):
+        pair = parts[index], others[index]
+        is_slip = min(map(len, pair)) >= LONG_ENOUGH and mistakes_between(*pair) == 1
+        if is_name or is_slip or nearest(parts[index], [others[index]], cutoff=cutoff):
             return other
     return None
 

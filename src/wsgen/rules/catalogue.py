@@ -86,6 +86,7 @@ MODULES = (
     "wsgen.rules.named_worlds",
     "wsgen.rules.package_uses",
     "wsgen.rules.parameter_files",
+    "wsgen.rules.node_topics",
     "wsgen.rules.python_nodes",
     "wsgen.rules.controller_parameters",
     "wsgen.rules.plugins",

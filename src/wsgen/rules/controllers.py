@@ -143,6 +143,21 @@ def managed_types(content: yamlfile.Value) -> Iterator[tuple[str, yamlfile.Value
                 yield key.removesuffix(".type"), value
 
 
+def managed_controllers(
+    content: yamlfile.Value,
+) -> Iterator[tuple[str, str, yamlfile.Value | None]]:
+    """The full names of controllers, their types, and their parameters, in a file."""
+    sections = dict(_sections(content, ""))
+    for manager, section in sections.items():
+        if manager.rpartition("/")[2] != MANAGER:
+            continue
+        for key, value in section.items():
+            kind = value.get("type")
+            if kind is not None and kind.text:
+                name = f"{manager.rpartition('/')[0]}/{key}"
+                yield name, kind.text, sections.get(name)
+
+
 def _sections(value: yamlfile.Value, name: str) -> Iterator[tuple[str, yamlfile.Value]]:
     """The parameters of nodes, by their full names."""
     for key, inner in value.items():

@@ -32,7 +32,7 @@ _SENDS = {"create_publisher": True, "create_subscription": False}
 class NodeTopic(NamedTuple):
     """A topic that a node publishes or reads."""
 
-    name: str  # as it is written
+    name: str | None  # as it is written; None: it is computed
     type: str  # "geometry_msgs/Twist"
     is_published: bool
     line: int  # 1-based
@@ -140,7 +140,7 @@ class NodeFile:
 
     @cached_property
     def topics(self) -> tuple[NodeTopic, ...]:
-        """The topics whose names and types are written in calls."""
+        """The topics whose types are written in calls."""
         return tuple(self._topics())
 
     def _topics(self) -> Iterator[NodeTopic]:
@@ -150,15 +150,12 @@ class NodeFile:
             given = arguments_of(node)
             topic = given.get("topic")
             type_ = self.interface(given.get("msg_type"))
-            if (
-                type_ is not None
-                and isinstance(topic, ast.Constant)
-                and isinstance(topic.value, str)
-            ):
-                is_published = _SENDS[name_of(node.func)]
-                yield NodeTopic(
-                    topic.value, type_.replace("/msg/", "/"), is_published, topic.lineno
-                )
+            if type_ is None or topic is None:
+                continue
+            is_text = isinstance(topic, ast.Constant) and isinstance(topic.value, str)
+            name = topic.value if is_text else None  # type: ignore[attr-defined]
+            sends = _SENDS[name_of(node.func)]
+            yield NodeTopic(name, type_.replace("/msg/", "/"), sends, topic.lineno)
 
 
 def arguments_of(call: ast.Call) -> dict[str, ast.expr]:
