@@ -368,7 +368,7 @@ def _play(
 ) -> int:
     from wsgen.cli.progress import listening
     from wsgen.cli.validate import write_outcome
-    from wsgen.cli.words import tell_unfinished
+    from wsgen.cli.words import report_unfinished
     from wsgen.pipeline.validate import play
 
     before = _version(request.video)
@@ -384,7 +384,7 @@ def _play(
             )
     except (KeyboardInterrupt, SystemExit):  # a signal
         if request.video is not None and _version(request.video) == before:
-            tell_unfinished(request.video)
+            report_unfinished(request.video)
         raise
     write_outcome(outcome, output_format=output_format, quiet=quiet, verbose=verbose)
     write_reports(outcome, html_file=html_file, quiet=quiet)

@@ -71,7 +71,7 @@ def run(
     require_linux("--run", "--play simulates the robots here.")
     from wsgen.cli import raise_dropped_end, take_all_signals
     from wsgen.cli.progress import listening
-    from wsgen.cli.words import tell_unfinished, unwritten, written
+    from wsgen.cli.words import report_unfinished, unwritten, written
     from wsgen.live.prepare import RunRequest
     from wsgen.live.run import run_launch
     from wsgen.pipeline.engines import check_engines
@@ -111,7 +111,7 @@ def run(
                 found = remains(listener)
             _print(tuple(found), verbose=verbose)
 
-        def tell(one: Recorded) -> None:
+        def report(one: Recorded) -> None:
             if one.messages == 0:
                 echo(unwritten(one.file), err=True)
             elif not quiet:
@@ -135,9 +135,9 @@ def run(
             open_environment,
             show=show,
             finish=finish,
-            recorded=tell,
-            unfinished=tell_unfinished,
-            ended=partial(_tell_next, selected, request, quiet=quiet, is_new=is_new),
+            recorded=report,
+            unfinished=report_unfinished,
+            ended=partial(_print_next, selected, request, quiet=quiet, is_new=is_new),
             beside=page and partial(_showing, selected, page, shown, quiet=quiet),
             listener=listener,
         )
@@ -155,7 +155,7 @@ DRIVES = {
 }
 
 
-def _tell_next(
+def _print_next(
     selected: SelectedLaunchFile,
     request: ValidateRequest,
     end: RunEnd,
@@ -281,13 +281,13 @@ def _showing(
         announce(page.host, made.port, opens=page.opens, quiet=quiet)
         return made
 
-    def tell_failure(error: BaseException) -> None:
+    def report_failure(error: BaseException) -> None:
         text = f"The page does not show the run any more: {type(error).__name__}: {error}"
         echo(f"{text}\nThe run goes on.", err=True)
 
     launch_file = selected.file if selected.package else None
     launched = Launched(name, launch_file, diagnostics)
-    return showing_run(folder, open_page, launched, tell_failure)
+    return showing_run(folder, open_page, launched, report_failure)
 
 
 def run_for_behaviors(

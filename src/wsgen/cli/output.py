@@ -195,6 +195,8 @@ def _package(
     if package.world_picture is not None:
         lines += [f"  whole world  {package.world_picture}"]
     if package.video is not None:
+        if package.picture is None:
+            lines.append("")
         lines += [f"  video        {package.video}"]
     return lines
 
@@ -243,7 +245,7 @@ def _behaviors(package: PackageOutcome) -> list[str]:
 
 
 MOST_PRINTED = 8  # lines of the nodes of a behavior
-TELLING = ("[ERROR]", "[FATAL]", "[WARN]", "[WARNING]", "Error: ", "Traceback")
+INFORMATIVE = ("[ERROR]", "[FATAL]", "[WARN]", "[WARNING]", "Error: ", "Traceback")
 
 
 def _behavior(name: str, one: BehaviorOutcome) -> list[str]:
@@ -251,18 +253,20 @@ def _behavior(name: str, one: BehaviorOutcome) -> list[str]:
     if one.is_left_out:
         mark = click.style("  --  ", fg="yellow")
     lines = [f"  {mark}  {name}: {what_it_did(one)}"]
-    printed = () if one.passed else most_telling(one.printed)
+    printed = () if one.passed else most_informative(one.printed)
     if printed:
         lines += [click.style(f"          {line}", dim=True) for line in printed]
     return lines
 
 
-def most_telling(lines: Sequence[str]) -> list[str]:
+def most_informative(lines: Sequence[str]) -> list[str]:
     """A few of the last lines that nodes have printed: errors and warnings, then what is last."""
-    telling = [number for number, line in enumerate(lines) if any(map(line.__contains__, TELLING))]
-    others = [number for number in range(len(lines)) if number not in telling]
-    left = MOST_PRINTED - len(telling[-MOST_PRINTED:])
-    kept = {*telling[-MOST_PRINTED:], *(others[-left:] if left else ())}
+    informative = [
+        number for number, line in enumerate(lines) if any(map(line.__contains__, INFORMATIVE))
+    ]
+    others = [number for number in range(len(lines)) if number not in informative]
+    left = MOST_PRINTED - len(informative[-MOST_PRINTED:])
+    kept = {*informative[-MOST_PRINTED:], *(others[-left:] if left else ())}
     return [lines[number] for number in sorted(kept)]
 
 

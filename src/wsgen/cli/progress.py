@@ -26,12 +26,12 @@ class LineProgress:
         """Draw one event."""
         if isinstance(event, StepEnded):
             echo(_ended(event), err=True)
-        elif isinstance(event, StepStarted) and (self.verbose or self._tells(event)):
+        elif isinstance(event, StepStarted) and (self.verbose or self._shows(event)):
             echo(f"  ...  {_title(event)}", err=True)
         elif isinstance(event, OutputLine) and self.verbose:
             echo(f"       {event.text}", err=True)
 
-    def _tells(self, event: StepStarted) -> bool:
+    def _shows(self, event: StepStarted) -> bool:
         """Whether a line says that a step begins."""
         return event.takes_long
 
@@ -47,7 +47,7 @@ class TerminalProgress(LineProgress):
         self.status = StatusLine()
         self.running: dict[tuple[str, ...], str] = {}  # several, with more than one job
 
-    def _tells(self, event: StepStarted) -> bool:
+    def _shows(self, event: StepStarted) -> bool:
         """The status line does."""
         del event
         return False

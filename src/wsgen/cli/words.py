@@ -115,7 +115,7 @@ def written(file: Path) -> str:
     return f"{short_name(file)}: {size} bytes"
 
 
-def tell_unfinished(video: Path) -> None:
+def report_unfinished(video: Path) -> None:
     """Say that a signal keeps a video from being drawn, and what is kept."""
     import contextlib
 

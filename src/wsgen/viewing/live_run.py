@@ -234,12 +234,13 @@ def showing_run(
     folder: Path,
     open_page: Callable[[], RunViewer],
     launched: Launched,
-    tell_failure: Callable[[BaseException], None],
+    report_failure: Callable[[BaseException], None],
 ) -> Iterator[None]:
     """Show the live run of a folder while the context is open, from when the page is.
 
     A thread does it, because signals are for who waits for the run. It calls `open_page`, and
-    `tell_failure` as soon as something ends it before the run is over; for the rest, see `RunView`.
+    `report_failure` as soon as something ends it before the run is over; for the rest, see
+    `RunView`.
 
     Raises:
         Exception: What has kept the page from being opened, or what has ended the thread, when the
@@ -261,7 +262,7 @@ def showing_run(
         except BaseException as error:  # noqa: BLE001  it is raised where the run is waited for
             failures.append(error)
             if is_decided.is_set():
-                tell_failure(error)
+                report_failure(error)
         finally:
             is_decided.set()
 

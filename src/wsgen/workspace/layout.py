@@ -77,7 +77,7 @@ EVIDENCE_LIMIT = 2000
 
 @dataclass(frozen=True, kw_only=True)
 class Workspace:
-    """A colcon workspace with the folders in their usual places, but for what colcon is told."""
+    """A colcon workspace with the folders in their usual places, but for what colcon is given."""
 
     root: Path  # absolute
     # Where colcon has found its packages, if it was asked; else they are looked for below `root`.
