@@ -337,7 +337,7 @@ def test_what_a_missing_manager_of_nodes_means_is_told(launch: Callable[..., Lau
         ])
         """
     )
-    assert run.wait() == 0
+    assert run.wait() == 4  # all is left out
     assert "it runs; nothing configures and activates map_server, own_planner\n" in run.output
     text = "TRANSITION_CONFIGURE for the lifecycle node /map_server is left out: its program does"
     assert text in run.output

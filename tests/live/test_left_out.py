@@ -38,6 +38,18 @@ def test_what_cannot_run_is_named_once_and_left_out(launch: Callable[..., Launch
     assert "[node-4] there" in run.lines
 
 
+def test_a_launch_of_which_all_is_left_out_has_failed(launch: Callable[..., Launch]) -> None:
+    run = launch("return LaunchDescription([Node(package='rviz2', executable='rviz2')])")
+    assert run.wait() == 4
+    assert "[ERROR] [launch]: nothing has run: all that the launch file starts" in run.output
+
+
+def test_windows_of_gazebo_are_not_missed(launch: Callable[..., Launch]) -> None:
+    run = launch("return LaunchDescription([ExecuteProcess(cmd=['gzclient'])])")
+    assert run.wait() == 0
+    assert "[ERROR]" not in run.output
+
+
 def test_an_own_program_that_is_not_built_ends_the_launch_as_in_ros(
     launch: Callable[..., Launch], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -96,6 +96,7 @@ class Service:
         self._coroutines = 0
         self._count = 0
         self._left_out: set[str] = set()
+        self._is_missing = False  # one of them is missed
         self._selector = selectors.DefaultSelector()
         self._paused: dict[int, RunningProcess] = {}  # descriptors that wait for their budget
         self._done: list[Callable[[], None]] = []  # by other threads
@@ -364,6 +365,7 @@ class Service:
         if what in self._left_out:
             return
         self._left_out.add(what)
+        self._is_missing |= is_missed
         if self.journal is not None and is_missed:
             self.journal.left_out(what, why)
         if self.request.is_strict and is_missed:
@@ -427,6 +429,7 @@ class Service:
             if self.shutdown.is_awaited(start, name):
                 self.shutdown.give_up()
             return
+        self.shutdown.note_run()
         process.shown = shown
         process.role = resolved.role
         self._processes[process.pid] = process
@@ -558,7 +561,7 @@ class Service:
         if self._processes or self._coroutines or self._done:
             return True
         if not self.shutdown.has_begun():
-            self.shutdown.end_idle()
+            self.shutdown.end_idle(is_left_out=self._is_missing)
             return True
         return False
 

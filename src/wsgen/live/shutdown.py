@@ -6,7 +6,7 @@ import logging
 import signal
 from typing import TYPE_CHECKING, Any
 
-from wsgen.errors import EXIT_FAILED, EXIT_PASSED, EXIT_SIGNALLED
+from wsgen.errors import EXIT_FAILED, EXIT_MISSING, EXIT_PASSED, EXIT_SIGNALLED
 from wsgen.live.awaited import what_is_started
 
 if TYPE_CHECKING:
@@ -32,6 +32,8 @@ class Shutdown:
         self._has_awaited = until_exit is None  # or it is said that it is not started
         self._is_interrupted = False
         self._is_terminated = False
+        self._has_run = False  # a process was started
+        self._is_all_left_out = False
         self._logger = logging.getLogger("launch")
         self._context: Any = None
 
@@ -84,6 +86,10 @@ class Shutdown:
         if self.is_awaited(start, name):
             self._has_awaited = True
 
+    def note_run(self) -> None:
+        """Note that a process was started."""
+        self._has_run = True
+
     def look_for_awaited(self, *, may_come: bool) -> None:
         """Say once that what is awaited has not been started, when all that was due has been.
 
@@ -121,14 +127,19 @@ class Shutdown:
             self.went_well &= code == 0
             self.request(f"{self._until_exit} has ended")
 
-    def end_idle(self) -> None:
-        """Shut down where nothing runs any more."""
+    def end_idle(self, *, is_left_out: bool) -> None:
+        """Shut down where nothing runs any more; `is_left_out`: something that is missed."""
         if self._until_exit is not None:  # its end would have been that of all
             self.give_up()
+        elif is_left_out and not self._has_run:
+            self._is_all_left_out = True
+            self._logger.error("nothing has run: all that the launch file starts is left out")
         self.request("idle")
 
     def exit_code(self, *, went_well: bool) -> int:
         """That of the launch service; `went_well` says it of the launch file."""
         if self._is_terminated:
             return EXIT_SIGNALLED + signal.SIGTERM
-        return EXIT_PASSED if went_well and self.went_well else EXIT_FAILED
+        if not (went_well and self.went_well):
+            return EXIT_FAILED
+        return EXIT_MISSING if self._is_all_left_out else EXIT_PASSED
