@@ -345,7 +345,6 @@ KNOWN_MODULES = frozenset(
         "ament_package",
         "composition_interfaces",
         "controller_manager",
-        "launch_param_builder",
         "launch_pytest",
         "launch_testing",
         "launch_testing_ament_cmake",

@@ -263,7 +263,12 @@ class Record:
         """Note with each process which file the description is of that it is given."""
         for index, process in enumerate(self.processes):
             requested = requested_texts(process.command or ())
-            for value in (*process.parameters.values(), *process.arguments, *requested):
+            parameters = (
+                value
+                for name, value in process.parameters.items()
+                if not name.endswith("_semantic")  # of MoveIt
+            )
+            for value in (*parameters, *process.arguments, *requested):
                 if isinstance(value, str) and value.lstrip().startswith("<"):
                     file = self._file_of(_fold(value))
                     self.processes[index] = replace(

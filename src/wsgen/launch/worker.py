@@ -306,6 +306,13 @@ def _watch(event: str, arguments: tuple[Any, ...]) -> None:
             note_opened(*arguments[:3])
 
 
+# Names of modules that are not installed, of which something is known: package, and who knows it.
+_STAND_INS = dict.fromkeys(
+    ("MoveItConfigs", "MoveItConfigsBuilder"),
+    ("moveit_configs_utils", "wsgen.launch.moveit_configs"),
+)
+
+
 class _MissingModule(ModuleType):
     """Every name in it is unknown."""
 
@@ -314,6 +321,9 @@ class _MissingModule(ModuleType):
             return _names_from_elsewhere()
         if name.startswith("__"):
             raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
+        stand_in = _STAND_INS.get(name)
+        if stand_in is not None and self.__name__.partition(".")[0] == stand_in[0]:
+            return getattr(importlib.import_module(stand_in[1]), name)
         from launch._unknown import Unknown
 
         return Unknown(f"{self.__name__}.{name}")
