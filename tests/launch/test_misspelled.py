@@ -445,3 +445,20 @@ def test_a_part_of_a_path_that_begins_with_a_slash(space: InstallSpace, joined: 
     assert "without the slash" in (found.hint or "")
     other = space.play("", before=before.replace("open(path)", "open('/modelx/r.urdf')"))
     assert "drops" not in only_message(other, "LCH005")
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [("model.urfd", "model.urdf"), ("model.config", None), ("models.urdf", "model.urdf")],
+)
+def test_a_file_beside_the_missing_one(space: InstallSpace, name: str, meant: str | None) -> None:
+    share = space.add("my_robot", {"model.urdf": "<robot/>"})
+    plan = space.play("", before=f"open('{share}/{name}')")
+    message = only_message(plan, "LCH005")
+    assert ("Did you mean" in message) == (meant is not None)
+    assert meant is None or f"`{meant}`" in message
+
+
+def test_a_variable_that_is_read_as_a_configuration(space: InstallSpace) -> None:
+    plan = space.play("LogInfo(msg=LaunchConfiguration('GAZEBO_MODEL_PATH'))")
+    assert "EnvironmentVariable('GAZEBO_MODEL_PATH'" in only_message(plan, "LCH009")

@@ -481,7 +481,9 @@ def _refusal(error: BaseException) -> Explanation | None:
             advice(
                 name,
                 () if name in declared else declared,  # it is spelled well, and comes too late
-                f"Declare it before its first use: DeclareLaunchArgument('{name}', "
+                f"An environment variable is EnvironmentVariable('{name}', default_value='')."
+                if name.isupper()
+                else f"Declare it before its first use: DeclareLaunchArgument('{name}', "
                 "default_value=...); the order in the LaunchDescription counts.",
             ),
             element=name,

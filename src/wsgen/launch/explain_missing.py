@@ -359,7 +359,7 @@ def _missing_file(path: str) -> Explanation:
         return joined
     missing, beside = first_missing(path)
     near = nearest(missing, beside)
-    if near is not None:
+    if near is not None and not _is_of_another_kind(missing, near):
         return Explanation(
             FILE_NOT_INSTALLED,
             f"The file '{path}' does not exist.",
@@ -396,6 +396,12 @@ def _missing_file(path: str) -> Explanation:
         "spelling of the path.",
         element=path,
     )
+
+
+def _is_of_another_kind(missing: str, near: str) -> bool:
+    """Whether names differ in their endings alone, and those are not alike: .urdf and .config."""
+    (stem, ending), (other, its_ending) = os.path.splitext(missing), os.path.splitext(near)
+    return stem == other and nearest(ending, [its_ending]) is None
 
 
 def _of_join(path: str) -> Explanation | None:
