@@ -23,6 +23,7 @@ DEPENDENCIES = {
         "diff_drive_controller",
         "gz_ros2_control",
         "joint_state_broadcaster",
+        "joint_state_publisher",
         "joint_trajectory_controller",
         "robot_state_publisher",
         "ros_gz_bridge",
@@ -808,6 +809,10 @@ PUBLISH = (
     "Node(package='robot_state_publisher', executable='robot_state_publisher',\n"
     "     parameters=[{'robot_description': text, 'use_sim_time': True}]),\n"
 )
+STATED = (
+    "Node(package='joint_state_publisher', executable='joint_state_publisher',\n"
+    "     parameters=[{'use_sim_time': True}]),\n"
+)
 CLOCK = (
     "Node(package='ros_gz_bridge', executable='parameter_bridge',\n"
     "     arguments=['/clock@rosgraph_msgs/msg/Clock[gz.msgs.Clock']),\n"
@@ -1016,7 +1021,7 @@ LAUNCHES: dict[str, Plant] = {
     ),
     "LCH075": launch(GZ.replace(CLOCK, BRIDGED) + CREATE + "])\n"),
     "LCH077": launch(
-        GZ + CREATE.replace("0.06", "0.11") + "Node(package='ros_gz_bridge',"
+        GZ + STATED + CREATE.replace("0.06", "0.11") + "Node(package='ros_gz_bridge',"
         " executable='parameter_bridge',\n@),\n])\n",
         files=DIFF_DRIVE,
     ),
@@ -1063,6 +1068,10 @@ LAUNCHES: dict[str, Plant] = {
     "SPN008": launch(CLASSIC + PUBLISH + SPAWNED + "])\n", distro="humble"),
     "SPN009": launch(GZ.replace(PUBLISH, "@,\n") + CREATE + "])\n"),
     "SPN010": launch(GZ.replace(PUBLISH, "@,\n") + "])\n"),
+    "SPN106": launch(
+        IMPORTS + "description = text\n" + RETURN + "@,\n])\n",
+        files={"urdf/my_robot.urdf.xacro": put(XACRO, WHEELS + WHEEL_JOINTS)},
+    ),
     "SPN105": launch(
         IMPORTS
         + "@\nsimulator = IncludeLaunchDescription(source)\n"
@@ -1254,7 +1263,10 @@ OTHERS: dict[str, Plant] = {
         WHEELS + WHEEL_JOINTS + f"<gazebo>@{DRIVEN}</plugin></gazebo>", distro="humble"
     ),
     "ROB100": robot(WHEELS + WHEEL_JOINTS + f"<gazebo>@{DRIVEN}</plugin></gazebo>"),
-    "ROB101": simulated(WHEELS + WHEEL_JOINTS + f"<gazebo>@{DRIVEN}</plugin></gazebo>"),
+    "ROB101": replace(
+        simulated(WHEELS + WHEEL_JOINTS + f"<gazebo>@{DRIVEN}</plugin></gazebo>"),
+        files=SIMULATED | {LAUNCH_FILE: GZ + STATED + CREATE + "])\n"},
+    ),
     "ROB103": robot(
         WHEELS + WHEEL_JOINTS + "<gazebo>@</gazebo>",
         swaps=(('DiffDrive">', f'DiffDrive">{DRIVEN}'),),

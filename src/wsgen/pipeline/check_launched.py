@@ -16,6 +16,7 @@ from wsgen.rules import (
     bridges,
     controllers,
     frames,
+    joint_states,
     launch_files,
     mesh_addresses,
     node_topics,
@@ -66,6 +67,7 @@ def check_launched(  # noqa: PLR0913  most have defaults
     is_known: Callable[[str], bool] = lambda _package: False,
     distro: str | None = None,
     is_installed: Callable[[str], bool] = lambda _package: True,
+    may_publish: Callable[[str], bool] = lambda _package: True,
 ) -> Iterator[Diagnostic]:
     """Check what a launch file starts together.
 
@@ -78,6 +80,7 @@ def check_launched(  # noqa: PLR0913  most have defaults
         is_known: Whether all that a package installs is known.
         distro: The target, if it is known.
         is_installed: Whether a package is on this machine or in the workspace.
+        may_publish: Whether a node of a package may publish joint states.
     """
     plan = started.plan
     kinds = simulator_kinds(plan)
@@ -110,6 +113,15 @@ def check_launched(  # noqa: PLR0913  most have defaults
     for file, content in files.items():
         if content is not None:
             yield from controllers.unknown_types(file, content, started_here)
+    if not is_included:
+        broadcasters = {
+            name
+            for content in files.values()
+            if content is not None
+            for name, value in controllers.managed_types(content)
+            if (value.text or "").endswith("JointStateBroadcaster")
+        }
+        yield from _check_joint_states(started, beside, may_publish, broadcasters)
     if found.topics:
         yield from bridges.check_bridges(
             found.topics,
@@ -128,6 +140,52 @@ def topics_of_launch(
     found = bridges.find_bridges(started.plan)
     graph = node_topics.graph_of(started.plan, found.topics, robots, files, nodes)
     return graph._replace(is_whole=graph.is_whole and found.are_all)
+
+
+def _check_joint_states(
+    started: Started,
+    beside: Iterable[LaunchPlan],
+    may_publish: Callable[[str], bool],
+    broadcasters: Collection[str],
+) -> Iterator[Diagnostic]:
+    """Check who publishes joint states; what has no publisher of transforms may be started, too."""
+    for other in beside:
+        providers = joint_states.find_providers(other, may_publish, broadcasters)
+        has_some = providers.publish_all or providers.bridged or simulator_kinds(other)
+        if not providers.starts_publisher and (has_some or not providers.is_known):
+            return
+    plan = started.plan
+    robots = []
+    for publisher in published_descriptions(plan).values():
+        robot = read_published(plan, publisher)
+        root = read_document(robot.text)[0] if isinstance(robot, Description) else None
+        if root is not None:
+            robots.append((publisher, root))
+    if any(next(joint_states.movable_joints(root), None) for _, root in robots):
+        yield from joint_states.no_joint_states(
+            plan,
+            robots,
+            [*_descriptions(started)]
+            if started.spawns and all(spawn.description for spawn in started.spawns)
+            else [],
+            joint_states.find_providers(plan, may_publish, broadcasters),
+        )
+
+
+def may_publish_joint_states(packages: Iterable[PackageFolder]) -> Callable[[str], bool]:
+    """Whether a node of a package may publish joint states, by the sources of the workspace."""
+    known: dict[str, bool] = {}
+    folders = {one.name: one.path for one in packages}
+
+    def may_publish(package: str) -> bool:
+        if package not in folders:
+            return True
+        if package not in known:
+            files = _files(folders[package], (".py", ".cpp", ".cc", ".hpp", ".h", ".rs"))
+            known[package] = any(b"JointState" in _bytes(file) for file in files)
+        return known[package]
+
+    return may_publish
 
 
 def check_addresses(started: Started, share_of: ShareOf) -> Iterator[Diagnostic]:

@@ -25,6 +25,7 @@ from wsgen.pipeline.check_launched import (
     check_texts,
     check_worlds,
     loaded_worlds,
+    may_publish_joint_states,
 )
 from wsgen.pipeline.check_nodes import check_topics
 from wsgen.pipeline.check_severities import (
@@ -113,6 +114,7 @@ class PackageCheck:
         self.overlay = _as_sourced(installed.overlay, target)
         self.robots: list[DescribedRobot] = []
         self.simulators: list[str] = []
+        self.may_publish = may_publish_joint_states(installed.sources.values())
         self.descriptions: tuple[Path, ...] = ()  # robots, models and worlds of the package
         self.read: set[str] = set()  # real paths of robots and worlds
 
@@ -226,6 +228,7 @@ class PackageCheck:
                 is_known=self.installed.is_known,
                 distro=self.distro,
                 is_installed=self._is_installed,
+                may_publish=self.may_publish,
             )
             yield from check_addresses(started, self.overlay.share)
             same = simulation_of(one)

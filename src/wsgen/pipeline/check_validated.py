@@ -17,8 +17,10 @@ from wsgen.pipeline.check_launched import (
     check_launched,
     check_worlds,
     loaded_worlds,
+    may_publish_joint_states,
 )
 from wsgen.pipeline.check_sources import check_sources
+from wsgen.rules.joint_states import NO_JOINT_STATES
 from wsgen.rules.target import target_of
 
 if TYPE_CHECKING:
@@ -52,8 +54,13 @@ def errors_of_check(
     return [
         one
         for one in dict.fromkeys(found)
-        if one.severity is Severity.ERROR and (one.code, one.file, one.line) not in reported
+        if (one.severity is Severity.ERROR or one.code in _REPORTED_TOO)
+        and (one.code, one.file, one.line) not in reported
     ]
+
+
+# Warnings without which what is validated seems to work.
+_REPORTED_TOO = frozenset({NO_JOINT_STATES.code})
 
 
 def _of_launched(
@@ -71,6 +78,7 @@ def _of_launched(
         is_known=lambda name: name not in overlay.sources and overlay.share(name) is not None,
         distro=distro,
         is_installed=lambda name: overlay.share(name) is not None,
+        may_publish=may_publish_joint_states(overlay.written),
     )
     yield from check_addresses(started, overlay.share)
     if not started.is_evaluated:

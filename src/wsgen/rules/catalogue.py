@@ -78,6 +78,7 @@ MODULES = (
     "wsgen.rules.friction",
     "wsgen.rules.drives",
     "wsgen.rules.joint_limits",
+    "wsgen.rules.joint_states",
     "wsgen.rules.launch_files",
     "wsgen.rules.lumped",
     "wsgen.rules.manifests",
