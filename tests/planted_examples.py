@@ -1439,6 +1439,18 @@ OTHERS: dict[str, Plant] = {
         dots=(HARDWARE, COMMANDS, HARDWARE, COMMANDS),
         files=YAML,
     ),
+    "ROB144": robot(
+        WHEELS
+        + joint(
+            "right_wheel",
+            '<parent link="base_link"/><child link="right_wheel"/><origin xyz="0 -0.2 0"/>'
+            '<axis xyz="0 1 0"/>',
+            kind="continuous",
+        )
+        + "@"
+        + DRIVES.removeprefix(WHEELS + WHEEL_JOINTS)
+    ),
+    "ROB145": robot(BODY + "@" + joint("wheel", kind="continuous"), is_good_code=False),
     "ROB134": robot(DRIVES.replace("</plugin>", "@</plugin>")),
     "ROB130": robot(
         DRIVES + "@",

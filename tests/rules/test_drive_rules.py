@@ -126,3 +126,43 @@ def test_parameters_of_a_controller(parameters: str, hints: list[str]) -> None:
     assert isinstance(values, yamlfile.Value)
     found = check_drive_controller(written, "drive", values, Path("controllers.yaml"))
     assert [one.hint for one in found] == hints
+
+
+def sideways(text: str) -> list[tuple[str, str]]:
+    written, _ = read_urdf(text, file=FILE)
+    assert written is not None
+    found = [one for one in check_drive(written, FILE) if one.code == "ROB144"]
+    assert all(one.severity is Severity.ERROR and one.line for one in found)
+    return [((one.element or "").split("'")[1], one.hint or "") for one in found]
+
+
+@pytest.mark.parametrize(
+    ("changed", "to", "hint"),
+    [
+        ("<axis xyz='0 1 0'/>", "", '<axis xyz="0 1 0"/>'),
+        ("<axis xyz='0 1 0'/>", "<axis xyz='0 0 1'/>", '<axis xyz="0 1 0"/>'),
+        # Turned upright, as cylinders are.
+        ("'/><axis xyz='0 1 0'/>", "' rpy='-1.5708 0 0'/>", '<axis xyz="0 0 1"/>'),
+        ("<axis xyz='0 1 0'/>", "<axis xyz='0 -1 0'/>", None),
+        ("'/><axis xyz='0 1 0'/>", "' rpy='-1.5708 0 0'/><axis xyz='0 0 1'/>", None),
+        ("'/><axis xyz='0 1 0'/>", "' rpy='0 0 1.5708'/>", None),  # x of a turned joint
+    ],
+)
+def test_driven_wheels_that_roll_sideways(changed: str, to: str, hint: str | None) -> None:
+    text = drive()
+    assert changed in text
+    found = sideways(text.replace(changed, to))
+    assert [joint for joint, _ in found] == (
+        [] if hint is None else ["left_0_joint", "right_0_joint"]
+    )
+    assert all(hint in one for _, one in found if hint)
+
+
+def test_wheels_of_a_controller_that_roll_sideways() -> None:
+    written, _ = read_urdf(drive().replace("<axis xyz='0 1 0'/>", ""), file=FILE)
+    assert written is not None
+    file = Path("controllers.yaml")
+    content = yamlfile.parse("left_wheel_names: [left_0_joint]\nright_wheel_names: [right_0_joint]")
+    assert isinstance(content, yamlfile.Value)
+    found = [*check_drive_controller(written, "drive", content, file)]
+    assert [(one.code, one.file, one.line) for one in found] == [("ROB144", file, 1)] * 2

@@ -30,6 +30,7 @@ from wsgen.rules.robots import (
     massless_root,
     no_collision,
     no_visual,
+    oversized_parts,
     ros_1_plugin,
     starts_outside_limits,
 )
@@ -107,6 +108,47 @@ def test_inertia_of_what_is_fixed_to_mass_is_only_a_part(parent: Link, severity:
     ]
     *_, found = implausible_inertia([parent, mount, part], FILE, joints)
     assert found.severity is severity
+
+
+@pytest.mark.parametrize(
+    ("mass", "moment", "code"),
+    [
+        (2500.0, 0.1, "ROB049"),  # 10,000 kg/m³, and the inertia is that of 2.5 kg
+        (250.0, 0.01, "ROB050"),  # it may weigh as much, and its inertia is too small
+        (2500.0, 1e-5, "ROB050"),  # nothing fits
+        (2500.0, 1e6, "ROB050"),
+    ],
+)
+def test_a_mass_in_grams_is_not_to_be_fitted(mass: float, moment: float, code: str) -> None:
+    (found,) = implausible_inertia([link(moment, mass=mass)], FILE)
+    assert found.code == code
+    if code == "ROB049":
+        assert 'write <mass value="2.5"/>' in (found.hint or "")
+
+
+def wheel(radius: float, length: float = 0.1) -> Link:
+    return Link(
+        name="wheel",
+        collisions=(Collision(geometry=Cylinder(radius=radius, length=length)),),
+        line=9,
+    )
+
+
+@pytest.mark.parametrize(
+    ("radius", "type_of_joint", "words"),
+    [
+        (0.1, JointType.CONTINUOUS, None),
+        (2.0, JointType.CONTINUOUS, None),  # five times the body: an odd robot
+        (10.0, JointType.CONTINUOUS, "if it is 10 cm, write 0.1."),
+        (100.0, JointType.CONTINUOUS, "if it is 100 mm, write 0.1."),
+        (10.0, JointType.FIXED, None),  # the floor around a robot
+    ],
+)
+def test_a_wheel_in_other_units(radius: float, type_of_joint: JointType, words: str | None) -> None:
+    joint = Joint(name="j", type=type_of_joint, parent="base", child="wheel")
+    found = [*oversized_parts([link(0.1), wheel(radius)], [joint], FILE)]
+    assert [(one.code, one.line) for one in found] == ([] if words is None else [("ROB145", 9)])
+    assert all(words in (one.hint or "") for one in found if words)
 
 
 def test_massless_root() -> None:

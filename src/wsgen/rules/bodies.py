@@ -16,7 +16,7 @@ from wsgen.model.inertia import as_attributes, of_solid, principal_moments
 from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere
 from wsgen.model.transform import Pose, compose, rotate, rotation_of_rpy
 from wsgen.rules.friction import is_oblique
-from wsgen.rules.robots import HEAVIEST, IMPLAUSIBLE_INERTIA, LARGEST, ratio
+from wsgen.rules.robots import HEAVIEST, IMPLAUSIBLE_INERTIA, LARGEST, ratio, volume_of
 from wsgen.values import NamedTuple, lazy_pattern
 
 if TYPE_CHECKING:
@@ -185,7 +185,7 @@ def _density(link: Link, file: Path | None) -> Iterator[Diagnostic]:
     visuals = [(one.geometry, one.pose_in_link) for one in link.visuals]
     # Either may leave parts out; the larger is nearer to what is weighed.
     boxes = [_around(shapes) for shapes in (collisions, visuals) if shapes]
-    volumes = [_volume(geometry) for geometry, _ in collisions or visuals]
+    volumes = [volume_of(geometry) for geometry, _ in collisions or visuals]
     filled = sum(volume for volume in volumes if volume is not None)
     largest = max(filled, *(math.prod(box.size) for box in boxes if box is not None))
     is_heavy = None not in boxes and mass > HIGHEST_DENSITY * largest > 0
@@ -201,18 +201,6 @@ def _density(link: Link, file: Path | None) -> Iterator[Diagnostic]:
             hint="Masses are in kilograms, and sizes in meters.",
             severity=Severity.WARNING if is_heavy else Severity.INFO,
         )
-
-
-def _volume(shape: Geometry) -> float | None:
-    if isinstance(shape, Box):
-        return math.prod(shape.size)
-    if isinstance(shape, Sphere):
-        return 4 / 3 * math.pi * shape.radius**3
-    if isinstance(shape, Cylinder):
-        return math.pi * shape.radius**2 * shape.length
-    if isinstance(shape, Capsule):
-        return math.pi * shape.radius**2 * (shape.length + 4 / 3 * shape.radius)
-    return None
 
 
 UNLIKE_SHAPES = Rule(

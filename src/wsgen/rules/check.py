@@ -62,6 +62,7 @@ def check_robot(
     return (
         *robots.number_beyond_engines(written.links, written.joints, file),
         *robots.implausible_size(written.links, written.joints, file),
+        *robots.oversized_parts(written.links, written.joints, file),
         *robots.implausible_mass(written.links, written.joints, file),
         *bodies.check_bodies(written.links, written.joints, file),
         *robots.implausible_inertia(written.links, file, written.joints),

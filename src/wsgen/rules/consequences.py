@@ -26,6 +26,7 @@ from wsgen.rules.robots import (
     IMPLAUSIBLE_SIZE,
     LOOSE_JOINT,
     NO_COLLISION,
+    OVERSIZED_PART,
     STARTS_OUTSIDE_LIMITS,
 )
 from wsgen.rules.runs import (
@@ -80,6 +81,7 @@ CONSEQUENCES = (
     # In other units nothing about the run is right.
     Consequence(IMPLAUSIBLE_SIZE.code, ANY),
     Consequence(IMPLAUSIBLE_MESH_SIZE.code, ANY),
+    Consequence(OVERSIZED_PART.code, ANY),
     Consequence(IMPLAUSIBLE_MASS.code, (*MOVES, ENGINES_DISAGREE.code)),
     # Nothing touches the ground.
     Consequence(NO_COLLISION.code, _codes(FALLS_WITHOUT_END)),

@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.behavior import DiffDrive
+from wsgen.model.gazebo_plugins import PARTS, stem
 from wsgen.model.robot import Cylinder, Sphere
-from wsgen.model.transform import IDENTITY, compose
+from wsgen.model.transform import IDENTITY, compose, rotate, rotation_of_rpy, transpose
 from wsgen.rules.robots import poses_of
 from wsgen.urdf.diff_drive import CLASSIC, SIMULATORS, find_diff_drive
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
 
     from wsgen import yamlfile
@@ -32,6 +33,7 @@ FAR_OFF = 1.33  # times, up or down; odometry is calibrated by less
 # Robots with more than two wheels slide sideways as they turn: what they turn by is set to more
 # than the distance of their wheels.
 SLIDING = 3.0
+OTHER_UNITS = 30.0  # times; a shape in centimeters is 100 times as large
 
 DRIVE_UNLIKE_WHEELS = Rule(
     code="ROB134",
@@ -48,8 +50,105 @@ DRIVE_UNLIKE_WHEELS = Rule(
 )
 
 
+WHEEL_ROLLS_SIDEWAYS = Rule(
+    code="ROB144",
+    name="wheel-rolls-sideways",
+    severity=Severity.ERROR,
+    summary="A driven wheel turns about an axis across the line between the wheels.",
+    what="Compares the axes of the two wheels that a drive plugin or a diff_drive_controller turns "
+    "with the line between their joints. Without `<axis>` the axis is x of the joint.",
+    why="A wheel rolls about the line to the wheel on the other side. About another axis it "
+    "rolls sideways, or spins like a top, and the robot does not drive.",
+    example="""
+<joint name="left_wheel_joint" type="continuous">
+  <parent link="base_link"/>
+  <child link="left_wheel"/>
+  <origin xyz="0 0.2 0"/>
+</joint>
+""",
+    instead="""
+<joint name="left_wheel_joint" type="continuous">
+  <parent link="base_link"/>
+  <child link="left_wheel"/>
+  <origin xyz="0 0.2 0"/>
+  <axis xyz="0 1 0"/>
+</joint>
+""",
+)
+ACROSS = 0.5  # cosine of the angle between an axis and the line between the wheels
+# Parameters of drive plugins that name the wheels of both sides.
+_SIDES = (
+    ("left_joint", "right_joint"),
+    ("front_left_joint", "front_right_joint"),
+    ("rear_left_joint", "rear_right_joint"),
+    ("back_left_joint", "back_right_joint"),
+)
+
+
+def wheels_across(
+    robot: Robot, pairs: Iterable[tuple[str, ...]], file: Path | None, line: int | None = None
+) -> Iterator[Diagnostic]:
+    """Report driven wheels that roll sideways; pairs are of joints, left and right.
+
+    `line` is the place in the file where that is not of the robot.
+    """
+    joints = {joint.name: joint for joint in robot.joints if joint.is_movable}
+    poses = poses_of(robot.joints)
+    for names in dict.fromkeys(pairs):
+        pair = [joints.get(name) for name in names]
+        if None in pair or names[0] == names[1]:
+            continue
+        places = [poses[one.child] for one in pair if one is not None]
+        (x, y, z), (other_x, other_y, other_z) = (place.xyz for place in places)
+        across = (x - other_x, y - other_y, z - other_z)
+        length = math.hypot(*across)
+        for one, pose in zip(pair, places, strict=True):
+            if one is None or not length:
+                continue
+            axis = rotate(rotation_of_rpy(pose.rpy), one.axis_in_joint)
+            along = sum(a * b for a, b in zip(axis, across, strict=True)) / length
+            if abs(along) >= ACROSS * math.hypot(*axis):
+                continue
+            yield WHEEL_ROLLS_SIDEWAYS.at(
+                file,
+                one.line if line is None else line,
+                f"joint[@name='{one.name}']",
+                message=f"The driven wheel `{one.child}` turns about "
+                f"{' '.join(f'{part:g}' for part in one.axis_in_joint)}"
+                + (" (x, as without <axis>)" if one.axis_in_joint == (1, 0, 0) else "")
+                + ", across the line to the wheel on the other side: it does not roll.",
+                hint=f'Write <axis xyz="{_axis(pose, across)}"/> into the joint `{one.name}`.',
+            )
+
+
+def _axis(pose: Pose, across: XYZ) -> str:
+    """A direction of the robot in the frame of a joint, as an axis of it where it nearly is one."""
+    parts = rotate(transpose(rotation_of_rpy(pose.rpy)), across)
+    largest = max(parts, key=abs)
+    is_axis = abs(largest) > ALONG * math.hypot(*parts)
+    unit = [math.copysign(1, one) * (one == largest) for one in parts] if is_axis else parts
+    length = math.hypot(*unit)
+    return " ".join(f"{round(one / length, 3) + 0:g}" for one in unit)
+
+
+ALONG = 0.9  # cosine; what is so near to an axis is meant to be it
+
+
+def driven_pairs(robot: Robot) -> Iterator[tuple[str, str]]:
+    """The joints that drive plugins turn, left and right."""
+    for tag in robot.gazebo:
+        for plugin in tag.plugins:
+            if stem(plugin.filename) not in PARTS or "driv" not in plugin.filename:
+                continue
+            for left, right in _SIDES:
+                yield from zip(
+                    plugin.values.get(left, ()), plugin.values.get(right, ()), strict=False
+                )
+
+
 def check_drive(robot: Robot, file: Path | None) -> Iterator[Diagnostic]:
     """Report a plugin whose wheels are others; the robot is the one that is written."""
+    yield from wheels_across(robot, driven_pairs(robot), file)
     for plugin, simulator in _plugins(robot):
         drive = find_diff_drive(robot, simulator=simulator)
         if not isinstance(drive, DiffDrive):
@@ -79,6 +178,7 @@ def check_drive_controller(
     names = [[one.text or "" for one in side.elements()] if side else [] for side in sides]
     if not all(names):
         return
+    yield from wheels_across(robot, zip(*names, strict=False), file, sides[0] and sides[0].line)
     left, right = (wheels.get(each[0]) for each in names)
     if left is None or right is None:
         return
@@ -138,6 +238,8 @@ def _radius(
     if key not in plugin.values or len(radii) != 1:
         return
     radius = radii.pop()
+    if radius > OTHER_UNITS * pair.radius:
+        return  # the shape is in other units, which is reported
     if not 1 / FAR_OFF <= pair.radius / radius <= FAR_OFF:
         yield DRIVE_UNLIKE_WHEELS.at(
             file,

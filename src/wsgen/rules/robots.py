@@ -10,7 +10,16 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.inertia import as_attributes, if_filled, principal_moments
-from wsgen.model.robot import Box, Cylinder, JointType, Mesh, Primitive, Sphere, Triangulated
+from wsgen.model.robot import (
+    Box,
+    Capsule,
+    Cylinder,
+    JointType,
+    Mesh,
+    Primitive,
+    Sphere,
+    Triangulated,
+)
 from wsgen.model.transform import IDENTITY, compose
 from wsgen.suggestions import some_of
 
@@ -32,6 +41,9 @@ HEAVIEST = 1e6  # kg; the largest mining trucks have 600,000
 LIGHTEST = 1e-6
 # A hollow part has up to three times the inertia of a solid one, a part with its mass at one end
 # more, and a collision shape may be a good deal larger or smaller than the part.
+DENSE_PART = 3000.0  # kg/m³; parts of robots with motors in them are lighter
+OVERSIZED = 15.0  # times the rest of the robot
+OF_MILLIMETERS = 120.0  # likewise: what is so much larger is in millimeters
 INERTIA_FACTOR = 30.0  # times the solid's largest moment, or that part of it
 
 # What becomes of the child of a joint that is ignored, by simulator.
@@ -127,13 +139,80 @@ def implausible_size(
         )
 
 
+OVERSIZED_PART = Rule(
+    code="ROB145",
+    name="oversized-part",
+    severity=Severity.WARNING,
+    severity_varies="an error where the run of the robot fails",
+    summary="A moving part is many times larger than the rest of the robot.",
+    what="Compares each primitive shape of the links that movable joints carry with the largest of "
+    "the others and the distances between the frames; reports more than 15 times that.",
+    why="Lengths in a URDF are in meters. A wheel with its radius in centimeters is a hundred "
+    "times too large: the robot is spawned deep in the ground, or the wheel throws it away.",
+    example='<link name="wheel">\n'
+    '  <collision><geometry><cylinder radius="8" length="0.04"/></geometry></collision>\n'
+    "</link>",
+    instead='<link name="wheel">\n'
+    '  <collision><geometry><cylinder radius="0.08" length="0.04"/></geometry></collision>\n'
+    "</link>",
+)
+
+
+def oversized_parts(
+    links: Sequence[Link], joints: Sequence[Joint], file: Path | None
+) -> Iterator[Diagnostic]:
+    """Report, once for parts of one size, moving parts whose size is in other units."""
+    moving = {joint.child for joint in joints if joint.is_movable}
+    sizes = {
+        link.name: max(
+            (largest_size(one) for one, _ in _shapes(link) if isinstance(one, Primitive)),
+            default=0.0,
+        )
+        for link in links
+    }
+    poses = poses_of(joints)
+    places = [poses.get(link.name, IDENTITY).xyz for link in links]
+    apart = max((math.dist(places[0], place) for place in places), default=0.0)
+    reported: set[float] = set()
+    for link in links:
+        size = sizes[link.name]
+        others = [one for name, one in sizes.items() if 0 < one < size / 2 and name != link.name]
+        rest = max(apart, *others) if others else 0.0
+        if link.name not in moving or not rest or size < OVERSIZED * rest or size in reported:
+            continue
+        reported.add(size)
+        shape = max(
+            (one for one, _ in _shapes(link) if isinstance(one, Primitive)), key=largest_size
+        )
+        unit, times = ("mm", 1000) if size > OF_MILLIMETERS * rest else ("cm", 100)
+        yield OVERSIZED_PART.at(
+            file,
+            link.line,
+            f"link[@name='{link.name}']",
+            message=f"The link `{link.name}` is {_described(shape)}, {_rounded(size / rest)} times "
+            "as large as the rest of the robot.",
+            hint=f"Lengths of a URDF are in meters: if it is {_number_of(shape):g} {unit}, write "
+            f"{_number_of(shape) / times:g}.",
+        )
+
+
+def _number_of(shape: Primitive) -> float:
+    """What is written of the largest size of a shape, m: a radius, a length or an edge."""
+    if isinstance(shape, Box):
+        return max(shape.size)
+    if isinstance(shape, Sphere):
+        return shape.radius
+    return shape.radius if 2 * shape.radius >= shape.length else shape.length
+
+
 IMPLAUSIBLE_MASS = Rule(
     code="ROB049",
     name="implausible-mass",
     severity=Severity.WARNING,
-    summary="The robot is heavier than 1000 t, or a moving part is lighter than 1 mg.",
+    summary="The robot is heavier than 1000 t, a moving part is lighter than 1 mg, or a mass is in "
+    "grams.",
     what="Adds up the masses of all links, and looks for links below 1 mg that no fixed joint "
-    "connects to others.",
+    "connects to others, and for those of which a thousandth of the mass fits inertia and shape.",
     why="Masses in a URDF are in kilograms. Joints between very light and heavy parts shake or "
     "break, and older versions of Gazebo drop a link below 1 mg and everything attached to it.",
     example='<mass value="1e-9"/>',
@@ -230,6 +309,17 @@ def implausible_inertia(
         times = largest / max(solid)
         if 1 / INERTIA_FACTOR <= times <= INERTIA_FACTOR:
             continue
+        if _is_in_grams(link.inertial.mass, times, shape):
+            yield IMPLAUSIBLE_MASS.at(
+                file,
+                link.line,
+                f"link[@name='{link.name}']/inertial/mass",
+                message=f"The mass of the link `{link.name}` ({link.inertial.mass:g} kg) is too "
+                f"large for its inertia and for {_described(shape)}.",
+                hint="Masses of a URDF are in kilograms: if it is in grams, write "
+                f'<mass value="{link.inertial.mass / 1000:g}"/>. Its inertia fits that.',
+            )
+            continue
         yield IMPLAUSIBLE_INERTIA.at(
             file,
             link.line,
@@ -239,6 +329,16 @@ def implausible_inertia(
             hint=f"For a homogeneous body: {as_attributes(solid)} (kg m², the products 0).",
             severity=Severity.INFO if link.name in attached else None,
         )
+
+
+def _is_in_grams(mass: float, times: float, shape: Primitive) -> bool:
+    """Whether a thousandth of the mass fits the inertia and the shape, and the mass neither.
+
+    `times` is what the inertia is of that of a homogeneous body of the mass.
+    """
+    volume = volume_of(shape)
+    fits = 1 / INERTIA_FACTOR <= times * 1000 <= INERTIA_FACTOR
+    return times < 1 and fits and volume is not None and mass > DENSE_PART * volume > 0
 
 
 def _attached_to_mass(links: Iterable[Link], joints: Iterable[Joint]) -> set[str]:
@@ -543,6 +643,19 @@ def _numbers_of_link(link: Link) -> Iterator[tuple[str, tuple[float, ...]]]:
 def largest_size(shape: Primitive) -> float:
     """The longest of its edges, diameter and length, m."""
     return max(_sizes(shape))
+
+
+def volume_of(shape: Geometry) -> float | None:
+    """Of a primitive, m³; None of any other shape."""
+    if isinstance(shape, Box):
+        return math.prod(shape.size)
+    if isinstance(shape, Sphere):
+        return 4 / 3 * math.pi * shape.radius**3
+    if isinstance(shape, Cylinder):
+        return math.pi * shape.radius**2 * shape.length
+    if isinstance(shape, Capsule):
+        return math.pi * shape.radius**2 * (shape.length + 4 / 3 * shape.radius)
+    return None
 
 
 def _sizes(geometry: Geometry) -> tuple[float, ...]:
