@@ -564,6 +564,8 @@ def test_what_is_no_robot_or_world_of_this_gazebo(tmp_path: Path) -> None:
     assert only(package, "no-world") == [("no-world", "error")]
     (models / "model-1_2.sdf").write_text('<sdf version="1.5"><light name="a" type="point"/></sdf>')
     assert only(package, "no-world") == [("no-world", "info")]
+    (models / "model-1_2.sdf").write_text('<sdf version="1.6"><actor name="a"/></sdf>')
+    assert only(package, "no-world") == [("no-world", "info")]
 
 
 def test_what_worlds_have_elsewhere_or_download(tmp_path: Path) -> None:

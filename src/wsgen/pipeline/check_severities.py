@@ -351,14 +351,14 @@ def _is_of_empty(found: Diagnostic) -> bool:
 
 
 _UNKNOWN_LINK = lazy_pattern(r"is `([^`]+)`, but no link has that name")
-_FOR_OTHERS = lazy_pattern("its root element is <gazebo>|, but a <light>")
+_FOR_OTHERS = lazy_pattern("its root element is <gazebo>|, but one <(?:light|actor)>")
 
 
 def _is_of_others(found: Diagnostic) -> bool:
     """Whether a file is no robot or world by itself, but something for other files or programs.
 
-    These are models for old versions of Gazebo, in the formats of those; lights, which worlds
-    include; and what Webots reads of a robot.
+    These are models for old versions of Gazebo, in the formats of those; lights and actors, which
+    worlds include; and what Webots reads of a robot.
     """
     if found.file is None:
         return False

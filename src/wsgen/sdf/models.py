@@ -525,11 +525,11 @@ def _selected(source: Source) -> Element | None:
     kinds = ("world", "model", "include")
     found = list(children(source.root, *kinds)) if source.root.tag == "sdf" else []
     if not found:
-        has_light = next(children(source.root, "light"), None) is not None
-        lights = ", but a <light>" if has_light else ""
+        other = next(children(source.root, "light", "actor"), None)
+        others = "" if other is None else f", but one <{other.tag}>"
         source.report_missing(
             NO_WORLD,
-            f"The file has neither a <world> nor a <model>{lights}."
+            f"The file has neither a <world> nor a <model>{others}."
             if source.root.tag == "sdf"
             else "The file has no <sdf> with a <world> or a <model>; "
             f"its root element is <{source.root.tag}>.",
