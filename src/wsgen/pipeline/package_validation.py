@@ -187,7 +187,8 @@ class Validation:
             distro=self._distro(environment),
         )
         if self.started_world is not None:
-            self.diagnostics += check_systems(started, self.started_world, self.sdf_files)
+            lacking = check_systems(started, self.started_world, self.sdf_files)
+            self.diagnostics += self._as_written(lacking)
         for robot in (*models, *prepared):
             self.diagnostics += friction_without_direction(robot.lumped, self.request.engines)
         return world, [*without_taken(models, [robot.entity for robot in prepared]), *prepared]
@@ -228,16 +229,17 @@ class Validation:
 
     def named(self, diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
         """Diagnostics with the files of the source in place of copies and of what is installed."""
-        written = (
-            replace(found, file=self.written[found.file], line=None)
-            if found.file in self.written
-            else found
-            for found in diagnostics
-        )
+        written = self._as_written(diagnostics)
         source, share = self.selected.source, self.selected.share
         if source is None or share is None:
             return tuple(written)
         return tuple(name_sources(written, {**self._used(), share: source}))
+
+    def _as_written(self, diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
+        """Diagnostics with the files that processes expand in place of what they write."""
+        for found in diagnostics:
+            file = None if found.file is None else self.written.get(found.file)
+            yield found if file is None else replace(found, file=file, line=None)
 
     def reported(self) -> tuple[Diagnostic, ...]:
         """The diagnostics with files of the source, without those that the package allows."""

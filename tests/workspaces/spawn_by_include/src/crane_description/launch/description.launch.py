@@ -21,4 +21,9 @@ def generate_launch_description():
                 'use_sim_time': LaunchConfiguration('use_sim_time'),
             }],
         ),
+        Node(
+            package='joint_state_publisher',
+            executable='joint_state_publisher',
+            parameters=[{'use_sim_time': LaunchConfiguration('use_sim_time')}],
+        ),
     ])
