@@ -17,7 +17,7 @@ from wsgen.rules.node_topics import (
     unheard_commands,
     unpublished_topics,
 )
-from wsgen.xmltree import parse
+from wsgen.xmltree import Element, parse
 
 FILE = Path("walk.py")
 LAUNCH = Path("robot.launch.py")
@@ -45,7 +45,13 @@ def controlled(plugin: str = "", parameters: str = "", plan: LaunchPlan = PLAN) 
         f"drive: {{ros__parameters: {{{parameters}}}}}"
     )
     assert isinstance(content, yamlfile.Value)
-    return graph_of(plan, (), (parse(text),), {YAML: content}, ())
+    return graph_of(plan, (), (root_of(text),), {YAML: content}, ())
+
+
+def root_of(text: str) -> Element:
+    root = parse(text)
+    assert isinstance(root, Element)
+    return root
 
 
 def bridged(*bridges: Bridge, plan: LaunchPlan = PLAN) -> Graph:
@@ -106,7 +112,7 @@ def test_a_plugin_of_gazebo_classic() -> None:
         "<robot><plugin name='d' filename='libgazebo_ros_diff_drive.so'><ros>"
         "<namespace>/bot</namespace></ros></plugin></robot>"
     )
-    graph = graph_of(PLAN, (), (parse(text),), {}, ())
+    graph = graph_of(PLAN, (), (root_of(text),), {}, ())
     assert [one.topic for one in graph.endpoints] == ["/bot/cmd_vel"]
     (found,) = unheard_commands([graph], [sent("/cmd_vel", TWIST)])
     assert found.hint == "Did you mean `/bot/cmd_vel`? If not, remap one of them."

@@ -57,14 +57,7 @@ def fields_of(package: str) -> dict[str, dict[str, str]] | None:
     None of packages whose interfaces are not known.
     """
     if package in buildable():
-        written = {
-            name: [
-                "---" if line == "---" else f"{one['name']}={'' if one['array'] else one['type']}"
-                for line in lines
-                if line == "---" or (one := FIELD.match(line))
-            ]
-            for name, lines in read_interfaces(package).items()
-        }
+        written = {name: _fields_in(lines) for name, lines in read_interfaces(package).items()}
     else:
         block = re.search(
             rf"^{package}:\n((?:.+\n)+)", COMMON.read_text(encoding="utf-8"), re.MULTILINE
@@ -83,6 +76,18 @@ def fields_of(package: str) -> dict[str, dict[str, str]] | None:
                 field: _whole_type(type_, package)
                 for field, _, type_ in (one.partition("=") for one in text.split())
             }
+    return found
+
+
+def _fields_in(lines: list[str]) -> list[str]:
+    """The fields as COMMON has them."""
+    found = []
+    for line in lines:
+        field = FIELD.match(line)
+        if field is not None:
+            found.append(f"{field['name']}={'' if field['array'] else field['type']}")
+        elif line == "---":
+            found.append(line)
     return found
 
 

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launch.commands import started_launch_files, started_programs
-from wsgen.rules.bridges import BRIDGES, FROM_GZ, TO_GZ, absolute
+from wsgen.rules.bridges import FROM_GZ, TO_GZ, absolute
 from wsgen.rules.controllers import managed_controllers
+from wsgen.rules.simulators import BRIDGES
 from wsgen.suggestions import LONG, LONG_ENOUGH, did_you_mean, mistakes_between
 from wsgen.values import NamedTuple
 from wsgen.xmltree import child_text, children
