@@ -171,6 +171,22 @@ def test_a_slow_simulation_names_engine_robot_and_step() -> None:
     assert "engine cannot handle" in (found.hint or "")
 
 
+def test_more_triangles_than_an_engine_can_load_are_not_given_to_it() -> None:
+    tree = robot(Mesh(uri="tree.stl", path="/tree.stl", triangles=124_002))
+    one = scene(tree)
+    (small,) = one.robots
+    trees = tuple(replace(small, entity=f"tree{number}") for number in range(50))
+    outcome = run_simulation(replace(one, robots=trees), run=_not_called)
+    (found,) = outcome.diagnostics
+    assert (found.code, outcome.robot_runs) == ("SPN110", ())
+    assert "6,200,100 triangles" in found.message
+    assert "`tree.stl` has 124,002 and is there 50 times" in found.message
+
+
+def _not_called(*_: Any, **__: Any) -> Answered | Died:
+    raise AssertionError("a child process was started")
+
+
 def test_a_busy_machine_is_not_the_robots_fault() -> None:
     outcome = run_simulation(scene(robot()), limits=Limits(wall_clock=0.01))
     assert "did not end within 0.01 s" in outcome.diagnostics[0].message

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from dataclasses import replace
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
@@ -13,6 +14,7 @@ from wsgen.isolation.codec import decode
 from wsgen.isolation.missing_library import find_missing_library
 from wsgen.isolation.result import DEFAULT_LIMITS, Died
 from wsgen.model.outcome import ENGINE_NAMES
+from wsgen.model.robot import Mesh
 from wsgen.simulation.not_loaded import explain_not_loaded
 from wsgen.simulation.scene import (
     DRAWING,
@@ -51,6 +53,20 @@ ENGINE_DIED = Rule(
     ),
     example="A mesh file whose faces name vertices that it does not have.",
     instead="The same mesh, exported again; or a <box> in its place until it loads.",
+)
+
+TOO_MANY_TRIANGLES = Rule(
+    code="SPN110",
+    name="too-many-triangles",
+    severity=Severity.ERROR,
+    summary="The collision meshes of all models together are too large to simulate.",
+    what="Adds up the triangles of the collision meshes, each as often as models have it, and "
+    "simulates nothing where they are more than 6,000,000. MuJoCo has no such bound: it takes "
+    "those near the robots.",
+    why="PyBullet and DART load a mesh for each model that has it, and need 400 bytes for a "
+    "triangle: gigabytes for a wood of a hundred detailed trees.",
+    example="A world with 100 models of a tree whose <collision> has 120,000 triangles.",
+    instead="The same world, with a <cylinder> as the <collision> of each tree.",
 )
 
 ENGINE_REFUSED = Rule(
@@ -116,6 +132,8 @@ TASKS = {
     "dart": "wsgen.tasks.dart:simulate",
     "mujoco": "wsgen.tasks.mujoco:simulate",
 }
+MOST_TRIANGLES = 6_000_000  # of all collisions; they take 3 GB in PyBullet, with a picture
+LARGEST_MESHES = 3  # are named
 MANY_TRIANGLES = 20_000  # with fewer, a frame's time goes into its pixels
 LAST_OUTPUT = 600  # characters of an engine's output that are reported
 COLORS = lazy_pattern(r"\x1b\[[0-9;]*m")  # DART's warnings are yellow
@@ -144,6 +162,9 @@ def run_simulation(
 
     `run` starts the child process.
     """
+    too_large = _too_many_triangles(scene)
+    if too_large is not None:
+        return SimulationOutcome(diagnostics=(too_large,))
     started = time.perf_counter()
     outcome = run(TASKS[scene.engine], scene, limits=limits)
     seconds = time.perf_counter() - started
@@ -170,6 +191,32 @@ def run_simulation(
         view=result.view,
         # Starting the child and the engine is what is left of the whole.
         seconds={**result.seconds, "load": seconds - sum(result.seconds.values())},
+    )
+
+
+def _too_many_triangles(scene: Scene) -> Diagnostic | None:
+    """Name the meshes of a scene that has more of them than an engine can load."""
+    uses = Counter(
+        (collision.geometry.uri, collision.geometry.triangles or 0)
+        for robot in scene.robots
+        for link in robot.robot.links
+        for collision in link.collisions
+        if isinstance(collision.geometry, Mesh) and collision.geometry.path is not None
+    )
+    total = sum(times * triangles for (_, triangles), times in uses.items())
+    if total <= MOST_TRIANGLES or scene.engine == "mujoco":
+        return None
+    largest = sorted(uses, key=lambda mesh: -uses[mesh] * mesh[1])[:LARGEST_MESHES]
+    named = "; ".join(
+        f"`{uri}` has {triangles:,}"
+        + (f" and is there {uses[uri, triangles]} times" if uses[uri, triangles] > 1 else "")
+        for uri, triangles in largest
+    )
+    return TOO_MANY_TRIANGLES.at(
+        None,
+        message=f"The collision meshes of all models have {total:,} triangles, more than the "
+        f"{MOST_TRIANGLES:,} that {ENGINE_NAMES[scene.engine]} is given: {named}.",
+        hint="Use boxes or cylinders for these collisions, or meshes of some hundred triangles.",
     )
 
 
