@@ -528,7 +528,7 @@ def test_a_xacro_file_whose_arguments_somebody_gives(tmp_path: Path) -> None:
         assert only(package, "xacro-file-fails") == [("xacro-file-fails", severity)]
 
 
-def test_a_part_of_a_robot_names_links_of_the_files_beside_it(tmp_path: Path) -> None:
+def test_a_part_of_a_robot_names_links_of_the_file_that_includes_it(tmp_path: Path) -> None:
     package = write_package(tmp_path)
     joint = (
         '<link name="{0}"/>\n<joint name="{0}_joint" type="fixed">\n'
@@ -536,10 +536,10 @@ def test_a_part_of_a_robot_names_links_of_the_files_beside_it(tmp_path: Path) ->
     )
     part = package / "urdf" / "tool.xacro"
     part.write_text(XACRO.format("tool", joint.format("tool", "wrist")))
-    assert only(package, "unknown-link") == [("unknown-link", "error")]
+    assert only(package, "unknown-link") == [("unknown-link", "info")]
     arm = URDF.partition("\n")[2].rpartition("</robot>")[0] + joint.format("wrist", "base")
     (package / "urdf" / "arm.xacro").write_text(XACRO.format("arm", arm))
-    assert only(package, "unknown-link") == [("unknown-link", "warning")]
+    assert only(package, "unknown-link") == [("unknown-link", "info")]
     including = [f'<xacro:include filename="{name}.xacro"/>' for name in ("arm", "tool")]
     whole = package / "urdf" / "all.xacro"
     whole.write_text(XACRO.format("all", "".join(including)))
@@ -547,6 +547,21 @@ def test_a_part_of_a_robot_names_links_of_the_files_beside_it(tmp_path: Path) ->
     whole.unlink()
     part.write_text(XACRO.format("tool", joint.format("tool", "wrist") + '<link name="wirst"/>'))
     assert ("unknown-link", "error") in only(package, "unknown-link")
+
+
+def test_a_part_of_a_robot_uses_what_the_file_that_includes_it_defines(tmp_path: Path) -> None:
+    package = write_package(tmp_path)
+    part = package / "urdf" / "tool.xacro"
+    link = '<link name="tool"/><xacro:{} mass="1"/>'
+    for text, severity in (
+        (link.format("inertia_of_box"), "info"),
+        ('<link name="tool_${side}"/>', "info"),
+        ('<xacro:macro name="weight" params="mass"/>' + link.format("wieght"), "error"),
+        ('<xacro:include filename="other.xacro"/>' + link.format("inertia_of_box"), "error"),
+    ):
+        (package / "urdf" / "other.xacro").write_text(XACRO.format("other", ""))
+        part.write_text(XACRO.format("tool", text))
+        assert only(package, "xacro-file-fails") == [("xacro-file-fails", severity)], text
 
 
 def test_what_is_no_robot_or_world_of_this_gazebo(tmp_path: Path) -> None:

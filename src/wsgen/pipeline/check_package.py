@@ -318,7 +318,7 @@ class PackageCheck:
             )
             context = PrepareContext(share_of=validation.share_of, folder=folder, run=self.run_task)
             _, prepared = validation.read(context)
-            yield from of_file_alone(validation.diagnostics, self._is_for_gazebo)
+            yield from of_file_alone(validation.diagnostics, self._is_for_gazebo, validation.text)
             self._note(prepared, dict.fromkeys((one.entity for one in prepared), file), None)
 
 

@@ -300,11 +300,16 @@ REFUSED_BY_GAZEBO = frozenset(rule.code for rule in (DROPPED_LINK, TWO_ZERO_MASS
 
 
 def of_file_alone(
-    diagnostics: Iterable[Diagnostic], is_for_gazebo: Callable[[], bool] = lambda: True
+    diagnostics: Iterable[Diagnostic],
+    is_for_gazebo: Callable[[], bool] = lambda: True,
+    expanded: str | bytes | None = None,
 ) -> Iterator[Diagnostic]:
     """What is wrong with a file; that it holds only a part of a robot or world is not.
 
-    `is_for_gazebo` says whether anything in the workspace has to do with Gazebo.
+    Args:
+        diagnostics: Of the file.
+        is_for_gazebo: Whether anything in the workspace has to do with Gazebo.
+        expanded: What a xacro file of a package expands to, which nothing there includes or starts.
     """
     for found in diagnostics:
         if found.code == NO_MODEL.code:
@@ -316,13 +321,12 @@ def of_file_alone(
         if (
             found.code in {PART_OF_ROBOT.code, NO_GROUND.code}
             or UNDEFINED_ARGUMENT in found.message
-            or (found.code == XACRO_FILE_FAILS.code and _has_empty_part(found))
+            or (found.code == XACRO_FILE_FAILS.code and _lacks_includer(found))
+            or (found.code == UNKNOWN_LINK.code and _is_attached(found, expanded))
             or _is_of_others(found)
             or _is_of_empty(found)
         ):
             yield replace(found, severity=Severity.INFO)
-        elif found.code == UNKNOWN_LINK.code and _is_linked_beside(found):
-            yield replace(found, severity=Severity.WARNING)  # a part of which no file is the whole
         elif found.code == XACRO_FILE_FAILS.code and NOT_FOUND.search(found.message):
             is_known = not _is_misspelled(found)  # see `_of_launch`
             yield replace(found, severity=Severity.WARNING) if is_known else found
@@ -367,20 +371,37 @@ def _is_of_others(found: Diagnostic) -> bool:
     return found.code == NO_LINK.code and b"<webots" in read(found.file)
 
 
-def _is_linked_beside(found: Diagnostic) -> bool:
-    """Whether a link that a joint of a xacro file names is in a file beside it.
+_LINK = lazy_pattern(r"<link\b[^>]*?\sname\s*=\s*[\"']([^\"']+)")
+_CHILD = lazy_pattern(r"<child\b[^>]*?\slink\s*=\s*[\"']([^\"']+)")
 
-    It is not where the name is surely a misspelling of a link that the file has.
+
+def _is_attached(found: Diagnostic, expanded: str | bytes | None) -> bool:
+    """Whether a xacro file has a part of a robot, which is attached to a link of another file.
+
+    Each link of it is then the child of a joint. A name that surely misspells that of a link is a
+    mistake.
     """
     unknown = _UNKNOWN_LINK.search(found.message)
-    if unknown is None or found.file is None or found.file.suffix != ".xacro":
+    if unknown is None or not isinstance(expanded, str) or found.file is None:
         return False
     meant = suggested(found.hint)
     if meant and misspelled_as(unknown[1], [meant]):
         return False
-    link = re.compile(rb"<link\s+name\s*=\s*[\"']%s[\"']" % re.escape(unknown[1]).encode())
-    beside = (other for other in sorted(found.file.parent.glob("*.xacro")) if other != found.file)
-    return any(link.search(read(other)) for other in beside)
+    return found.file.suffix == ".xacro" and {*_LINK.findall(expanded)} <= {
+        *_CHILD.findall(expanded)
+    }
+
+
+_UNDEFINED = lazy_pattern(r"unknown macro name: xacro:(\w+)|name '(\w+)' is not defined")
+
+
+def _lacks_includer(found: Diagnostic) -> bool:
+    """Whether a xacro file lacks what the file that includes it defines, or an argument."""
+    undefined = _UNDEFINED.search(found.message)
+    if undefined is None or found.file is None or b"<xacro:include" in read(found.file):
+        return _has_empty_part(found)
+    meant = suggested(found.hint)
+    return not meant or misspelled_as(undefined[1] or undefined[2], [meant]) is None
 
 
 NO_FILE = lazy_pattern(r"no such file or directory: '([^']*)'")
