@@ -55,6 +55,7 @@ def test_the_robot_is_reported_to_be_in_the_static_model() -> None:
     seen_from_robot = [overlap("base", "l", entity="a_wall")]
     (found_in,) = rules.overlapping_robots("robot", seen_from_robot, {"a_wall", "b_wall"})
     assert found_in.element == "robot"
+    assert found_in.message.startswith("`robot` is spawned inside the model `a_wall`: ")
     seen_from_wall = [overlap("l", "base", entity="robot"), overlap("l", "l", entity="b_wall")]
     (other,) = rules.overlapping_robots("a_wall", seen_from_wall, {"a_wall", "b_wall"})
     assert "`b_wall`" in other.message

@@ -325,7 +325,9 @@ def check_robot(
         robot_run,
         height=robot.height,
         is_alone=sum(not one.lumped.is_static for one in runnable) == 1,
-        static_models={one.entity for one in runnable if one.is_static_model},
+        static_models={
+            one.entity for one in runnable if one.is_static_model or one.lumped.is_static
+        },
         pushed=joints_beyond_limits(robot.diagnostics),
     )
 

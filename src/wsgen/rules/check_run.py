@@ -55,8 +55,9 @@ def check_run(  # noqa: PLR0913  most have defaults
     """Check what was measured of a robot; `robot` is the one Gazebo would build (lumped).
 
     `height` is where a launch file says how high it is spawned, if one does; `is_alone` says that
-    no other robot of the scene can push it; `static_models` are the models of the world among the
-    entities of the scene; `pushed` are joints that are reported to start outside of their limits.
+    no other robot of the scene can push it; `static_models` are, of the entities of the scene, the
+    models of the world and those that do not move; `pushed` are joints that are reported to start
+    outside of their limits.
     """
     entity = robot_run.entity
     collide = [link.name for link in robot.links if link.self_collide]
@@ -66,7 +67,11 @@ def check_run(  # noqa: PLR0913  most have defaults
         *runs.joints_differ(entity, movable, robot_run.movable_joints),
         *runs.state_not_finite(entity, is_finite=robot_run.is_finite),
         *runs.cut_short(entity, is_cut_short=robot_run.is_cut_short),
-        *runs.overlapping_robots(entity, robot_run.overlaps, static_models),
+        *(
+            found
+            for found in runs.overlapping_robots(entity, robot_run.overlaps, static_models)
+            if not robot.is_static  # nothing pushes it
+        ),
         *runs.overlapping_links(entity, robot_run.overlaps, collide),
     ]
     if robot.is_static:

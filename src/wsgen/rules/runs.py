@@ -639,14 +639,17 @@ Node(package="gazebo_ros", executable="spawn_entity.py", arguments=["-entity", "
 def overlapping_robots(
     entity: str, overlaps: Sequence[Overlapping], static_models: Collection[str] = ()
 ) -> Iterator[Diagnostic]:
-    """Report robots that are spawned inside each other, or inside a model of the world."""
+    """Report robots that are spawned inside each other, or inside a model.
+
+    `static_models` are the names of models of the world, and of those that do not move.
+    """
     for other in dict.fromkeys(found.other_entity for found in overlaps if found.other_entity):
         deepest = max(
             (found for found in overlaps if found.other_entity == other),
             key=lambda found: found.depth,
         )
-        # Once for each pair: about the robot, if the other is a model of the world, else about the
-        # first by name.
+        # Once for each pair: about the robot, if the other is a static model or one of the world,
+        # else about the first by name.
         is_reported = (
             entity < str(other)
             if (entity in static_models) == (other in static_models)
@@ -656,10 +659,16 @@ def overlapping_robots(
             yield OVERLAPPING_ROBOTS.at(
                 None,
                 element=entity,
-                message=f"`{entity}` and `{other}` are spawned inside each other: "
-                f"`{entity}/{deepest.link}` is {deepest.depth:.3f} m deep in "
+                message=(
+                    f"`{entity}` is spawned inside the model `{other}`: "
+                    if other in static_models
+                    else f"`{entity}` and `{other}` are spawned inside each other: "
+                )
+                + f"`{entity}/{deepest.link}` is {deepest.depth:.3f} m deep in "
                 f"`{other}/{deepest.other_link}`.",
-                hint="Spawn them farther apart (-x, -y), or higher (-z).",
+                hint="Spawn it higher (-z), or elsewhere (-x, -y)."
+                if other in static_models
+                else "Spawn them farther apart (-x, -y), or higher (-z).",
                 severity=Severity.ERROR if deepest.depth > SHALLOW else Severity.WARNING,
             )
 
