@@ -549,6 +549,18 @@ def test_a_part_of_a_robot_names_links_of_the_file_that_includes_it(tmp_path: Pa
     assert ("unknown-link", "error") in only(package, "unknown-link")
 
 
+def test_of_two_packages_with_one_name_each_finds_its_own_files(tmp_path: Path) -> None:
+    first, second = (write_package(tmp_path / name) for name in ("a", "b"))
+    include = '<xacro:include filename="$(find cart)/urdf/{}.xacro"/>'
+    for package, name in ((first, "left"), (second, "right")):
+        (package / "urdf" / f"{name}.xacro").write_text(XACRO.format("x", ""))
+        whole = package / "urdf" / "whole.urdf.xacro"
+        whole.write_text(XACRO.format("whole", include.format(name) + '<link name="base"/>'))
+    assert only(tmp_path, "xacro-file-fails") == []
+    (second / "urdf" / "right.xacro").unlink()
+    assert only(tmp_path, "xacro-file-fails") == [("xacro-file-fails", "error")]
+
+
 def test_a_part_of_a_robot_uses_what_the_file_that_includes_it_defines(tmp_path: Path) -> None:
     package = write_package(tmp_path)
     part = package / "urdf" / "tool.xacro"

@@ -96,6 +96,7 @@ class PackageCheck:
         scratch: Path,
     ) -> None:
         """`scratch` is a folder for files that engines read."""
+        installed = installed.of(package)
         self.package = package
         self.scratch = scratch
         self.installed = installed

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import re
-from dataclasses import replace
+from dataclasses import field, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -44,6 +44,12 @@ class InstalledAsBuilt:
     facts: Mapping[str, BuildFacts]  # by name, of packages that the checked ones may look up
     problems: Mapping[str, tuple[Diagnostic, ...]]  # of the build files, by name of the package
     made: frozenset[str] = frozenset()  # paths in `folder` that only a build makes
+    # By folder: packages whose name another one has, each with its own files in front.
+    copies: Mapping[Path, InstalledAsBuilt] = field(default_factory=dict)
+
+    def of(self, package: PackageFolder) -> InstalledAsBuilt:
+        """The install space in which a package finds itself, and not another one of its name."""
+        return self.copies.get(package.path, self)
 
     def is_known(self, package: str) -> bool:
         """Whether all that a package of the workspaces installs is known."""
@@ -73,7 +79,7 @@ class InstalledAsBuilt:
         """
         if str(self.folder) not in text:
             return text
-        place = rf"{re.escape(str(self.folder))}/((?:share|lib)/([\w-]+))"
+        place = rf"{re.escape(str(self.folder))}(?:/{COPIES}/\d+)?/((?:share|lib)/([\w-]+))"
         return re.sub(place, self._shown, text).replace(str(self.folder), str(self.shown_as))
 
     def _shown(self, found: re.Match[str]) -> str:
@@ -111,7 +117,7 @@ def lay_out(
     variables = _with_paths(environment, (folder, *targets.prefixes), facts.values())
     overlay = overlay_of({**variables, INSTALLED: str(folder)})
     root = targets.workspaces[0].root if targets.workspaces else Path.cwd()
-    return InstalledAsBuilt(
+    installed = InstalledAsBuilt(
         overlay=replace(overlay, install=folder, workspaces=tuple(targets.workspaces)),
         folder=folder,
         shown_as=root / "install",
@@ -125,8 +131,35 @@ def lay_out(
             if one.source is None and one.destination.startswith("share/")
         ),
     )
+    copies = [one for one in targets.packages if packages[one.name].path != one.path]
+    return replace(
+        installed,
+        copies={one.path: _with_copy(installed, one, n) for n, one in enumerate(copies)},
+    )
 
 
+def _with_copy(
+    installed: InstalledAsBuilt, package: PackageFolder, number: int
+) -> InstalledAsBuilt:
+    """The install space with another package of a name that a package has there already."""
+    prefix = installed.folder / COPIES / str(number)
+    facts, problems = _install_package(package, prefix)
+    overlay = installed.overlay
+    path = os.pathsep.join((str(prefix), overlay.environment["AMENT_PREFIX_PATH"]))
+    return replace(
+        installed,
+        overlay=replace(
+            overlay,
+            environment={**overlay.environment, "AMENT_PREFIX_PATH": path},
+            prefixes=(prefix, *overlay.prefixes),
+        ),
+        sources={**installed.sources, package.name: package},
+        facts={**installed.facts, package.name: facts},
+        problems={**installed.problems, package.name: problems},
+    )
+
+
+COPIES = "copies"  # folder of such packages, below the prefix
 FOLDER = "install"  # of the install space, in a scratch folder
 _Installed = tuple["BuildFacts", "tuple[Diagnostic, ...]"]  # with what is wrong in build files
 FEW = 8  # packages; workers for them cost more than they save

@@ -95,7 +95,9 @@ def select_packages(
         RequestError: a package or launch file that is named does not exist.
         NotFoundError: a named package cannot be read, or the workspace has no package.
     """
-    sources = {package.name: package.path for package in find_packages(workspace)}
+    sources: dict[str, Path] = {}
+    for package in find_packages(workspace):
+        sources.setdefault(package.name, package.path)  # of two, the overlay has the first
     if not request.packages and not sources:
         refuse_empty(workspace)
     for name in request.packages:
