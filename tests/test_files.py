@@ -15,7 +15,14 @@ import pytest
 
 from wsgen import files
 from wsgen.errors import NotReadableError
-from wsgen.files import explain_write_error, mount_point, read_regular, remembering, write_file
+from wsgen.files import (
+    explain_write_error,
+    mount_point,
+    read_regular,
+    read_regular_text,
+    remembering,
+    write_file,
+)
 
 
 @contextmanager
@@ -173,3 +180,16 @@ def test_a_file_is_read_once_while_it_is_the_same(
         first = read_regular(file, 100)
         monkeypatch.setattr(files, "open", None, raising=False)  # nothing can be opened
         assert read_regular(file, 100) == first
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="has no named pipes")
+def test_a_text_is_read_from_a_regular_file_of_some_size(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(OSError, match="named pipe"):
+        read_regular_text(tmp_path / "pipe")
+    (tmp_path / "a").write_bytes(b"\xc3\xa4\r\n\xff")
+    assert read_regular_text(tmp_path / "a", errors="replace") == "ä\n\ufffd"
+    with pytest.raises(UnicodeDecodeError):
+        read_regular_text(tmp_path / "a")
+    with pytest.raises(OSError, match="too large"):
+        read_regular_text(tmp_path / "a", 4)

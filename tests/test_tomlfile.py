@@ -93,3 +93,19 @@ def test_an_integer_that_is_too_large_has_its_line(tmp_path: Path) -> None:
     file.write_text(f"a = 1\n[[b]]\nc = 2\n[[b]]\nd = [0.5, {{ e = {2**63} }}]\n")
     with pytest.raises(ValueError, match=r"64 bits \(at line 5, column 1\)"):
         tomlfile.load(file)
+
+
+@pytest.mark.parametrize(
+    "text", [".".join("a" * 20_000) + " = 1", "[" + " . ".join("a" * 20_000) + "]"]
+)
+def test_a_key_of_too_many_words(tmp_path: Path, text: str) -> None:
+    """The library takes the square of their number in memory."""
+    (tmp_path / "a.toml").write_text(text)
+    with pytest.raises(ValueError, match="Nested too deeply"):
+        tomlfile.load(tmp_path / "a.toml")
+
+
+def test_a_file_that_is_too_large(tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_text("#" * (tomlfile.SIZE_LIMIT + 1))
+    with pytest.raises(OSError, match="too large"):
+        tomlfile.load(tmp_path / "a.toml")

@@ -7,7 +7,8 @@ import sys
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
-from wsgen.files import refuse_irregular
+from wsgen.files import read_regular_text
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -20,6 +21,8 @@ else:
     import tomli as tomllib
 
 
+SIZE_LIMIT = 2**20  # bytes; what people write by hand is far smaller
+DEEP = lazy_pattern(r"(?:[\w\"'-]+[ \t]*\.[ \t]*){100}")  # tomllib needs the square of it
 INTEGERS = range(-(2**63), 2**63)
 _WORD = r"""(?:"[^"]*"|'[^']*'|[\w-]+)"""
 _DOTTED = rf"{_WORD}(?:\s*\.\s*{_WORD})*"
@@ -34,9 +37,9 @@ def load(file: Path) -> dict[str, Any]:
         OSError: the file cannot be read.
         ValueError: it is not TOML, or not UTF-8; the message says where.
     """
-    if file.exists():
-        refuse_irregular(file)
-    text = file.read_text(encoding="utf-8")
+    text = read_regular_text(file, SIZE_LIMIT)
+    if DEEP.search(text):
+        raise ValueError("Nested too deeply")
     try:
         document: dict[str, Any] = tomllib.loads(text)
     except RecursionError:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
-from wsgen.errors import NotFoundError, RequestError
+from wsgen.errors import NotFoundError, NotReadableError, RequestError
 from wsgen.pipeline.baseline import divide_known, load_baseline, render_baseline
 from wsgen.pipeline.changed_files import about_changes, changed_since
 from wsgen.pipeline.check import CheckOutcome
@@ -139,3 +141,10 @@ def test_allowed_in_a_package(tmp_path: Path) -> None:
     assert set(reported.allowed) == set(found[:2])
     assert not reported.passed
     assert json.loads(render_baseline(found, tmp_path))["diagnostics"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="has no named pipes")
+def test_a_baseline_that_is_a_named_pipe(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "baseline.json")
+    with pytest.raises(NotReadableError, match="named pipe"):
+        load_baseline(tmp_path / "baseline.json")

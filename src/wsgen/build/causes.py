@@ -37,6 +37,7 @@ from wsgen.build_files.cmake_keywords import meant_keyword, word_keyword
 from wsgen.build_files.cmake_text import find_open_block, parse, read_calls, read_text
 from wsgen.build_files.install_checks import word_missing_path
 from wsgen.diagnostics import Diagnostic, Rule, Severity, has_errors
+from wsgen.files import read_regular_text
 from wsgen.ros_names import cmake_packages, released_packages
 from wsgen.suggestions import did_you_mean, nearest
 from wsgen.workspace.manifest import read_manifest
@@ -629,7 +630,7 @@ def _where_to_clone(name: str, failure: Failure) -> str:
         files = [file for depth in ("", "*/") for file in folder.glob(f"{depth}*.repos")]
         for file in sorted(files, key=lambda one: ("sim" not in one.name, one)):
             with suppress(OSError):
-                text = file.read_text(encoding="utf-8", errors="replace")
+                text = read_regular_text(file, errors="replace")
                 if re.search(rf"(?m)^\s+(?:\S+/)?{re.escape(name)}:\s*$", text):
                     return f"Clone it into src, then build again: vcs import src < {file}"
     return ""

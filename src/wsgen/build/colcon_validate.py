@@ -25,6 +25,7 @@ from colcon_core.verb import check_and_mark_build_tool
 
 from wsgen.build.package_environment import EXECUTOR, IN_ORDER
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, EXIT_SIGNALLED
+from wsgen.files import read_regular_text
 from wsgen.printable import clean
 from wsgen.values import dataclass
 
@@ -221,7 +222,7 @@ def _problem(said: Sequence[str]) -> str:
 def read_result(file: Path) -> Result | None:
     """What the JSON of `wsgen validate` says; None where it was not written."""
     try:
-        document = json.loads(file.read_text(encoding="utf-8"))
+        document = json.loads(read_regular_text(file))
     except (OSError, ValueError):
         return None
     packages = document["packages"]

@@ -17,6 +17,7 @@ from wsgen.build.toolchain import INDEX
 from wsgen.build_files.cmake_checks import missing_ament_package
 from wsgen.build_files.cmake_text import read_calls
 from wsgen.diagnostics import Rule, Severity
+from wsgen.files import read_regular_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -106,7 +107,7 @@ def _read_install_manifest(manifest: Path, prefix: Path) -> frozenset[str]:
     A DESTINATION that ends in a slash gives two slashes in a row.
     """
     try:
-        text = manifest.read_text(encoding="utf-8")
+        text = read_regular_text(manifest)
     except (OSError, ValueError):
         return frozenset()
     roots = {f"{prefix}/", f"{prefix.resolve()}/"}
@@ -182,7 +183,7 @@ def find_relocated(
             continue  # that is the error: the cache is of one of them
         folder = workspace.build / package.name
         try:
-            text = (folder / "CMakeCache.txt").read_text(encoding="utf-8")
+            text = read_regular_text(folder / "CMakeCache.txt")
         except (OSError, ValueError):
             continue
         remembered = dict(ENTRY.findall(text))

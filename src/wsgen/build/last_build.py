@@ -9,6 +9,7 @@ import re
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
+from wsgen.files import read_regular_text
 from wsgen.values import NamedTuple
 from wsgen.workspace.manifest import BUILD_TAGS, RUN_TAGS
 
@@ -63,7 +64,7 @@ def failed_builds(
 def _failed_build(workspace: Workspace, package: PackageFolder) -> FailedBuild | None:
     folder = workspace.build / package.name
     try:
-        result = (folder / RESULT).read_text(encoding="utf-8").strip()
+        result = read_regular_text(folder / RESULT).strip()
     except (OSError, ValueError):
         return None
     if result == "0":
@@ -92,7 +93,7 @@ def _result_in(log: Path, package: str) -> str | None:
 
 def _read(file: Path) -> str:
     try:
-        return file.read_text(encoding="utf-8", errors="replace")
+        return read_regular_text(file, errors="replace")
     except OSError:
         return ""
 

@@ -17,6 +17,7 @@ from wsgen.build_files.python_checks import (
 )
 from wsgen.build_files.python_setup import Configuration
 from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.files import read_regular_text
 from wsgen.suggestions import ask_for_nearest, nearest
 
 if TYPE_CHECKING:
@@ -80,7 +81,7 @@ def _find_all(pattern: re.Pattern[str], lines: Iterable[str]) -> list[str]:
 
 def _line_with(file: Path, text: str) -> int | None:
     try:
-        lines = file.read_text(encoding="utf-8").splitlines()
+        lines = read_regular_text(file).splitlines()
     except (OSError, ValueError):
         return None
     return next((number for number, line in enumerate(lines, 1) if text in line), None)
@@ -132,7 +133,8 @@ def _find_problem(
     """Say why `module:function` cannot be called, and what to do; None if it can, or is foreign."""
     module, _, function = (part.strip() for part in target.partition(":"))
     if not function:
-        return f"it names no function of {module}", f"Write {module}:main, if that is the function."
+        return f"it does not name a function of {module}", f"Write {module}:main, if that is the "
+        "function."
     path, top = module.replace(".", "/"), module.partition(".")[0]
     files = [root / name for root in roots for name in (f"{path}.py", f"{path}/__init__.py")]
     installed = next((file for file in files if file.is_file()), None)
@@ -147,7 +149,7 @@ def _find_problem(
         known = re.findall(r"(?m)^def\s+(\w+)", text)
         return (
             f"{module} has no function {name}",
-            f"{ask_for_nearest(name, known)}Write it, or name another one.",
+            f"{ask_for_nearest(name, known)}Define it, or name another one.",
         )
     if (package.path / f"{path}.py").is_file():
         return (
@@ -161,7 +163,7 @@ def _find_problem(
         ]
         return (
             f"the module {module} does not exist",
-            f"{ask_for_nearest(module, known)}Write it, or name another one.",
+            f"{ask_for_nearest(module, known)}Define it, or name another one.",
         )
     return None  # of another package
 

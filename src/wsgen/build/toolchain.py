@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.errors import NotFoundError
+from wsgen.files import read_regular_text
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
@@ -216,7 +217,7 @@ def _choose_cmake(variables: dict[str, str]) -> None:
 def _is_isolated(prefix: str) -> bool:
     """Whether it is a virtual environment that does not see the packages of the system."""
     try:
-        text = Path(prefix, "pyvenv.cfg").read_text(encoding="utf-8")
+        text = read_regular_text(Path(prefix, "pyvenv.cfg"))
     except OSError:
         return False
     settings = (line.partition("=") for line in text.lower().splitlines())

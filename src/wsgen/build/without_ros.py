@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.build.source_packages import is_installed
 from wsgen.diagnostics import Rule, Severity
+from wsgen.files import read_regular_text
 from wsgen.ros_names import CMAKE_NAMES, ROS_NAMES
 from wsgen.suggestions import some_of
 
@@ -134,7 +135,7 @@ def report_left_out(
 def _read(folder: Path) -> dict[str, list[str]]:
     """The names in the report of a build folder by their kind; empty without a report."""
     try:
-        lines = (folder / LEFT_OUT).read_text(encoding="utf-8").splitlines()
+        lines = read_regular_text(folder / LEFT_OUT).splitlines()
     except OSError:
         return {}
     found: dict[str, list[str]] = {}

@@ -53,6 +53,7 @@ def command(
     from wsgen.cli.output import render_diagnostics
     from wsgen.cli.progress import listening
     from wsgen.cli.ros_tool import overlay_environment
+    from wsgen.files import LARGEST_TEXT, read_regular
     from wsgen.live.linux import require_linux
     from wsgen.live.messages import messages_of_packages, messages_of_text
     from wsgen.live.program import find_command
@@ -68,7 +69,7 @@ def command(
     packages = find_packages(found) if found else ()
     messages = messages_of_packages(packages)
     if script is not None:
-        messages |= messages_of_text(script.read_bytes())
+        messages |= messages_of_text(read_regular(script, LARGEST_TEXT))
         arguments = arguments if executable is None else (executable, *arguments)
     with listening(quiet=False, verbose=False, is_short=True) as listener:
         ros = open_ros(environment, messages=messages, listener=listener or (lambda _event: None))

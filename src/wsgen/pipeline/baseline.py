@@ -11,6 +11,7 @@ from collections import Counter
 from typing import TYPE_CHECKING
 
 from wsgen.errors import NotFoundError, NotReadableError, RequestError
+from wsgen.files import read_regular_text
 from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
 
 VERSION = 1
+SIZE_LIMIT = 2**26  # bytes
 LINES = lazy_pattern(r"\b(lines?) \d+")
 FIELDS = ("code", "file", "element", "message")
 
@@ -50,7 +52,7 @@ def load_baseline(file: Path) -> Counter[Key]:
         RequestError: it is no baseline.
     """
     try:
-        text = file.read_text(encoding="utf-8")
+        text = read_regular_text(file, SIZE_LIMIT)
     except FileNotFoundError as error:
         raise NotFoundError(
             f"The baseline {file} does not exist.",

@@ -19,6 +19,7 @@ from wsgen.description_rules import (
     ONE_NAME_FOR_LINK_AND_JOINT,
 )
 from wsgen.diagnostics import Rule, Severity
+from wsgen.files import LARGEST_TEXT, read_regular
 from wsgen.meshes.inspection import inspect_meshes
 from wsgen.meshes.lookup import find_meshes
 from wsgen.meshes.shape_meshes import build_shapes
@@ -395,8 +396,8 @@ def share_around(file: Path) -> Callable[[str], Path | None]:
 
 def _manifest_name(folder: Path) -> str | None:
     try:
-        root = parse((folder / "package.xml").read_bytes())
-    except OSError:
+        root = parse(read_regular(folder / "package.xml", LARGEST_TEXT))
+    except (OSError, ValueError):
         return None
     return None if isinstance(root, Malformed) else child_text(root, "name")
 

@@ -17,7 +17,7 @@ from array import array
 from typing import TYPE_CHECKING, BinaryIO
 
 from wsgen.errors import RequestError, WouldOverwriteError
-from wsgen.files import explain_write_error, replace_file
+from wsgen.files import explain_write_error, refuse_irregular, replace_file
 from wsgen.model.sweep import Column
 from wsgen.values import dataclass
 
@@ -97,6 +97,7 @@ def read_known(table: Path) -> Known | None:
         OSError: it cannot be read.
     """
     try:
+        refuse_irregular(journal_of(table))
         with journal_of(table).open("rb") as stream:
             return read_line(stream.readline())
     except FileNotFoundError:
@@ -185,6 +186,7 @@ class Journal:
         flags = os.O_RDWR | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0)
         while True:
             try:
+                refuse_irregular(self.file)
                 descriptor = os.open(self.file, flags, 0o666)
             except OSError as error:
                 raise explain_write_error(error, self.file) from error

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wsgen.errors import NotReadableError
+from wsgen.files import refuse_irregular
 from wsgen.sweeping.journal import read_known
 from wsgen.sweeping.parquet import read_parquet
 from wsgen.sweeping.table import CODES, DIAGNOSTIC, PASSED, RUN, full_columns, headings
@@ -145,6 +146,7 @@ def _parquet(file: Path, kinds: Mapping[str, str]) -> Iterator[Mapping[str, Sequ
 
 
 def _jsonl(file: Path, kinds: Mapping[str, str]) -> Iterator[Mapping[str, Sequence[Any]]]:
+    refuse_irregular(file)
     with file.open("rb") as stream:
         for line in stream:
             row = json.loads(line)
@@ -159,6 +161,7 @@ _READ: Mapping[str, Callable[[str], Any]] = {
 
 
 def _csv(file: Path, kinds: Mapping[str, str]) -> Iterator[Mapping[str, Sequence[Any]]]:
+    refuse_irregular(file)
     with file.open(encoding="utf-8", newline="") as stream:
         for row in csv.DictReader(stream):
             yield {name: (_read_field(row[name], kind),) for name, kind in kinds.items()}

@@ -13,7 +13,7 @@ import numpy as np
 from wsgen.diagnostics import Severity
 from wsgen.errors import RequestError, WouldOverwriteError
 from wsgen.events import StepEnded, StepStarted, post
-from wsgen.files import write_file
+from wsgen.files import read_regular_text, write_file
 from wsgen.fixes.source import Edit
 from wsgen.fixes.source import apply as apply_edits
 from wsgen.fixes.xml_source import read_tags
@@ -208,7 +208,7 @@ def _record(variant: Variant, inputs: Mapping[str, str]) -> str:
 
 def _refuse_other(folder: Path, record: str) -> None:
     try:
-        is_same = (folder / RECORD).read_text(encoding="utf-8") == record
+        is_same = read_regular_text(folder / RECORD) == record
     except (OSError, ValueError):
         is_same = False
     if not is_same:
