@@ -62,7 +62,7 @@ def _names(message: str) -> list[str]:
 
 
 def _with_names(group: Sequence[Diagnostic]) -> Diagnostic:
-    """The first, with what tells the others from it."""
+    """The first, with what distinguishes the others from it."""
     labels: dict[str, str] = {}
     for name, found in zip(_telling(group), group, strict=True):
         line = f"line {found.line}" if found.line else ""
@@ -76,7 +76,7 @@ def _with_names(group: Sequence[Diagnostic]) -> Diagnostic:
 
 
 def _telling(group: Sequence[Diagnostic]) -> Sequence[str]:
-    """The first name in the message or the element that tells them apart; or the element."""
+    """The first name in the message or the element that distinguishes them; or the element."""
     of_each = ((*_names(found.message), *NAMED_IN.findall(found.element or "")) for found in group)
     columns = zip(*of_each)  # noqa: B905  elements may be nested differently
     telling = next((column for column in columns if len(set(column)) > 1), None)

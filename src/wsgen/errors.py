@@ -50,7 +50,7 @@ class WsgenError(Exception):
 
 
 class SessionDiedError(WsgenError):
-    """A physics engine, or a live launch, died while it did what it was told."""
+    """A physics engine, or a live launch, died while it executed a command."""
 
     exit_code = EXIT_FAILED
 

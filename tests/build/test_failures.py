@@ -73,7 +73,7 @@ CMAKE_CASES = {
     ),
     "calls something that nobody knows": (
         CMAKE + "frobnicate()\n",
-        ("BLD027", 9, "frobnicate", "Fix its name"),
+        ("BLD027", 9, "frobnicate", "Correct its name"),
     ),
     "installs nowhere": (
         CMAKE.replace("DESTINATION share/${PROJECT_NAME}", ""),

@@ -67,7 +67,7 @@ OUTPUTS: dict[str, tuple[str, Callable[[Path], object], tuple[str, int, str, str
     "folder by a pattern": (
         "error: can't copy 'urdf/parts': doesn't exist or not a regular file",
         lambda package: (package / "urdf" / "parts").mkdir(),
-        ("BLD041", 16, "urdf/parts, which is a folder", "urdf/parts an entry of its own"),
+        ("BLD041", 16, "urdf/parts, which is a folder", "a separate entry for urdf/parts"),
     ),
     "absolute path": (
         f"{FROM_COLCON}AssertionError: 'data_files' must be relative, '/a/b' is absolute",

@@ -56,7 +56,7 @@ def check(package: Path, *output: str) -> list[Diagnostic]:
 # What the console script starts; words of the message and of the hint.
 TARGETS = {
     "function": (f"{NAME}.drive_in_circles:mian", "has no function mian", "Did you mean `main`?"),
-    "no function": (f"{NAME}.drive_in_circles", "names no function", ":main, if that"),
+    "no function": (f"{NAME}.drive_in_circles", "does not name a function", ":main, if that"),
     "module": (f"{NAME}.drive:main", "drive does not exist", "Did you mean"),
     "package": ("beetle_bring.x:main", "beetle_bring.x does not exist", "Write it"),
     "not installed": (f"{NAME}.new:main", "new is not installed", f"Create {NAME}/__init__.py"),

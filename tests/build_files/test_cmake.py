@@ -160,7 +160,7 @@ def test_a_subdirectory(tmp_path: Path) -> None:
     ("text", "line", "words"),
     [
         ("a()\nb(", 2, "not closed"),
-        ("a()\n)", 2, "no opening one"),
+        ("a()\n)", 2, "not match an opening one"),
         ('a("b)\nc()', 1, "quotation mark"),
         ("a()\nlaunch\nb()", 2, "not followed by"),
         ("a()\n// no comment\nb()", 2, "not a command"),

@@ -80,7 +80,7 @@ def test_a_mistake_is_reported(tmp_path: Path, text: str | bytes, line: int, wor
     assert found.file == tmp_path / "bot/talk.py"
     assert line is None or found.line == line
     assert words in (found.hint or "")
-    assert "bot/talk.py is no Python" in found.message
+    assert "bot/talk.py is not valid Python" in found.message
 
 
 def test_a_module_that_no_program_is_made_of_is_a_warning(tmp_path: Path) -> None:
@@ -149,5 +149,5 @@ def test_what_the_python_of_the_target_lacks(
         pytest.skip("this Python lacks it, too")
     [found] = check_module(tmp_path, text, "humble")
     assert found.line in {3, 4}  # Pythons differ
-    assert "no Python 3.10" in found.message
+    assert "valid Python 3.10" in found.message
     assert "3.11" in (found.hint or "")

@@ -327,7 +327,7 @@ def test_the_kind_of_a_path(tmp_path: Path, before: str, kind: str, after: str |
     [
         ("import rclpy\n", "no interpreter", "#!/usr/bin/env python3\nimport rclpy\n"),
         ("#!/usr/bin/python\na\n", "`python`", "#!/usr/bin/env python3\na\n"),
-        ("#!/bin/a\r\nb\r\n", "n.py has line ends of Windows, so", "#!/bin/a\nb\n"),
+        ("#!/bin/a\r\nb\r\n", "n.py has line endings of Windows (CRLF), so", "#!/bin/a\nb\n"),
     ],
 )
 def test_the_first_line_of_a_program(tmp_path: Path, before: str, message: str, after: str) -> None:

@@ -258,7 +258,7 @@ def test_fork(space: InstallSpace, call: str) -> None:
 def test_loop_without_end(space: InstallSpace) -> None:
     plan = evaluate(space, "while True:\n    pass\n", seconds=1.0)
     assert "used more than 1 s of CPU time" in only_message(plan, "LCH012")
-    assert "a loop" in (plan.diagnostics[0].hint or "")
+    assert "endless loop" in (plan.diagnostics[0].hint or "")
 
 
 def test_sleep_without_end(space: InstallSpace) -> None:

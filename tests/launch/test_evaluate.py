@@ -443,7 +443,7 @@ def test_an_event_in_the_place_of_an_action(space: InstallSpace) -> None:
     (found,) = plan.diagnostics
     assert found.code == "LCH065"
     assert found.severity is Severity.WARNING
-    assert "given Shutdown of launch.events, which is no action" in found.message
+    assert "given Shutdown of launch.events, which is not an action" in found.message
     assert (found.hint or "").startswith("Import Shutdown from launch.actions, or write")
     assert found.line is not None
     assert "on_exit" in plan.launch_file.read_text().splitlines()[found.line - 1]

@@ -74,9 +74,9 @@ def test_name_that_is_not_imported(space: InstallSpace, name: str, statement: st
         ("print(true)", "Did you mean `True`?"),
         ("Nod()", "Did you mean `Node`? Add `from launch_ros.actions import Node`"),
         ("q_x_z", "define it above"),
-        ("q_x_z", "put quotes round it"),
+        ("q_x_z", "put quotes around it"),
         ("package = my_robot", "it is the name of this package, and has no quotes."),
-        ("package = my_robot", "Put quotes round it: 'my_robot'."),
+        ("package = my_robot", "Put quotes around it: 'my_robot'."),
         ("package = robot_state_publisher", "it is the name of a package, and has no quotes."),
     ],
 )
@@ -253,7 +253,7 @@ def test_a_script_that_setuptools_installs_into_bin(space: InstallSpace) -> None
     script.touch()
     plan = space.play("Node(package='other', executable='talker'), ExecuteProcess(cmd=['a'])")
     message = only_message(plan, "LCH021")
-    assert "is installed into bin, and `launch` looks in lib/other" in message
+    assert "is installed into bin, but `launch` looks in lib/other" in message
     assert "Write in setup.cfg of other: [install] install_scripts=$base/lib/other" in message
     assert plan.processes[-1].command == ("a",)
 
@@ -285,20 +285,20 @@ def test_typographic_characters(space: InstallSpace, text: str, change: str) -> 
     [
         (
             "Node(package='a', executable='b',\narguments=['-z',\n0.255])",
-            ("`arguments` holds the number 0.255, and must hold text (", "Write '0.255'", 2),
+            ("`arguments` is the number 0.255, but must be text (", "Write '0.255'", 2),
         ),
-        ("ExecuteProcess(cmd=['a',\n-1])", ("`cmd` holds the number -1,", "Write '-1'", 1)),
+        ("ExecuteProcess(cmd=['a',\n-1])", ("`cmd` is the number -1,", "Write '-1'", 1)),
         (
             "Node(package='a', executable='b', remappings=[\n('a', 5)])",
-            ("`remappings` holds the number 5,", "Write '5'", 1),
+            ("`remappings` is the number 5,", "Write '5'", 1),
         ),
         (
             GAZEBO.format("gazebo.launch.py", "\nlaunch_arguments={'gui': False}.items()"),
-            ("`launch_arguments` holds False, and must hold text (", "Write 'False'", 1),
+            ("`launch_arguments` is False, but must be text (", "Write 'False'", 1),
         ),
         (
             "Node(package='a', executable='b', arguments=[['-z', None]])",
-            ("`arguments` holds None,", "Write 'None'", 0),
+            ("`arguments` is None,", "Write 'None'", 0),
         ),
         (
             "Node(package='a', executable='b', arguments=[str, 'x'])",
@@ -439,10 +439,10 @@ def test_a_part_of_a_path_that_begins_with_a_slash(space: InstallSpace, joined: 
         text = open(path).read()
         """
     plan = space.play("", before=before)
-    assert "drops what is before '/model" in only_message(plan, "LCH005")
+    assert "ignores everything before '/model" in only_message(plan, "LCH005")
     (found,) = plan.diagnostics
     assert joined in plan.launch_file.read_text().splitlines()[(found.line or 0) - 1]
-    assert "without the slash" in (found.hint or "")
+    assert "without the leading slash" in (found.hint or "")
     other = space.play("", before=before.replace("open(path)", "open('/modelx/r.urdf')"))
     assert "drops" not in only_message(other, "LCH005")
 

@@ -321,7 +321,7 @@ NESTED_YAML = "launch: " + "[{group: " * 100_000 + "[]" + "}]" * 100_000
         (".py", "def f():\n    f()\nf()\n", "LCH004"),
         (".py", "import os, signal\nos.kill(os.getpid(), signal.SIGKILL)\n", "LCH013"),
         (".py", "x = " + "(" * 10_000 + ")" * 10_000, None),
-        (".xml", "<launch>" + "<group>" * 50_000 + "</group>" * 50_000 + "</launch>", "LCH004"),
+        (".xml", "<launch>" + "<group>" * 50_000 + "</group>" * 50_000 + "</launch>", "LCH023"),
         (
             ".xml",
             "<launch><for len='1000000000' name='i'><log message='a'/></for></launch>",

@@ -203,7 +203,7 @@ def test_options_glued_into_one_argument() -> None:
     _, diagnostics = find_spawns(
         plan(spawner("-topic robot_description", "-entity", "e"), publisher())
     )
-    assert "one argument" in diagnostics[0].message
+    assert "a single argument" in diagnostics[0].message
 
 
 @pytest.mark.parametrize(
@@ -230,7 +230,7 @@ def test_values_that_argparse_accepts(words: tuple[str, ...], z: float) -> None:
         (("-z", "-5e-1"), "SPN004", "takes -5e-1 for an option"),
         (("-t", "3"), "SPN004", "ambiguous option"),
         (("-b 1",), "SPN004", "ignored explicit argument"),
-        (("-timeout 60",), "SPN004", "'-timeout 60' is one argument"),
+        (("-timeout 60",), "SPN004", "'-timeout 60' is a single argument"),
         (("-timeout", "long"), "SPN004", "invalid float value"),
         (("--z", "1"), "SPN004", "does not know '--z'"),
     ],
@@ -247,14 +247,14 @@ def test_create_takes_no_value_in_the_word_of_its_option() -> None:
         plan(publisher(), create("-topic", "robot_description", "-z 0.5", "-x", "-1e-3"))
     )
     assert spawn.pose_in_world.xyz == (-1e-3, 0, 0)
-    assert "'-z 0.5' is one argument of create" in found.message
+    assert "'-z 0.5' is a single argument of create" in found.message
     assert found.severity is Severity.WARNING
 
 
 def test_nobody_publishes() -> None:
     code, message = only_error(spawner("-topic", "robot_description", "-entity", "e"))
     assert code == "SPN008"
-    assert "it starts no robot_state_publisher" in message
+    assert "it does not start robot_state_publisher" in message
 
 
 @pytest.mark.parametrize("description", ["", " \n", "/path/r.urdf", 3, ["<robot/>"]])

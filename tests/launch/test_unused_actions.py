@@ -57,7 +57,7 @@ def test_action_that_is_not_added(space: InstallSpace, name: str, code: str) -> 
     (found,) = missing_from(plan)
     assert found.severity is Severity.ERROR
     assert found.code == code
-    assert f"`{name}` is created and not added" in found.message
+    assert f"`{name}` is created but not added" in found.message
     assert found.line == TEXT[: TEXT.index(f"    {name} = ")].count("\n") + 1
     assert f"add_action({name})" in (found.hint or "")
 

@@ -126,7 +126,7 @@ def test_nothing_is_downloaded_without_the_extra(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if why_not() is not None:
-        pytest.skip("PyPI has no ROS for this machine, which is told first")
+        pytest.skip("PyPI has no ROS for this machine, which is reported first")
     monkeypatch.setattr(
         "wsgen.ros_environment.environment.find_spec",
         lambda name: None if name == "mcap" else find_spec(name),

@@ -121,7 +121,7 @@ def test_none_are_none(tmp_path: Path) -> None:
         ("seconds = 2", "seconds = 2\njoints = { a = 1 }", 1, "0", "both `drive` and `joints`"),
         ("drive = { linear = 0.5 }", "", 1, "0", "neither `drive` nor `joints`"),
         ("seconds = 2", "seconds = 2\nrun = true", 1, "0", "both `drive` and `run`"),
-        ("seconds = 2", "seconds = 2\nrun = 1", 5, "0.run", "neither true nor false"),
+        ("seconds = 2", "seconds = 2\nrun = 1", 5, "0.run", "must be true or false"),
         ("drive = { linear = 0.5 }", "run = true\ntravels = 0", 4, "0.travels", "is 0"),
         ("drive = { linear = 0.5 }", "run = true\njoints = 1", 4, "0.joints", "not a table"),
         ("seconds = 2", "seconds = 2\ntravels = 1", 5, "0.travels", "no key `travels` here"),

@@ -44,7 +44,7 @@ def test_a_file_that_is_not_toml_says_what_it_leaves_out(tmp_path: Path) -> None
     (found,) = read_settings(tmp_path)[1]
     assert (found.severity, found.line) == (Severity.ERROR, 3)
     assert found.message.endswith(
-        "Nothing in it counts: no behavior is checked, and no rule is allowed."
+        "All of it is ignored: no behavior is checked, and no rule is allowed."
     )
     assert found.hint == "Close the name of the table: [[behavior]]"
 

@@ -99,9 +99,9 @@ UNKNOWN_LANGUAGE = Rule(
     name="unknown-language",
     severity=Severity.ERROR,
     summary="`project()` names a language that CMake does not know.",
-    what="Compares the names with those that are often written for C++; `wsgen build` reports any "
-    "that CMake refuses.",
-    why="CMake looks for the compiler of each language, and stops. It calls C++ CXX.",
+    what="Compares the names with those that are often written for C++; `wsgen build` reports "
+    "all other names that CMake refuses.",
+    why="CMake looks for the compiler of each language, and stops. Its name for C++ is CXX.",
     example="project(my_robot LANGUAGES CPP)",
     instead="project(my_robot LANGUAGES CXX)",
 )
@@ -171,8 +171,8 @@ MISSING_SOURCE = Rule(
     name="missing-source",
     severity=Severity.ERROR,
     summary="A target names a source file that does not exist.",
-    why="CMake stops, as it cannot compile the target. The name is misspelled, or lacks its "
-    "folder: it begins at the folder of CMakeLists.txt.",
+    why="CMake stops, as it cannot compile the target. The name is misspelled, or its folder is "
+    "missing: paths are relative to the folder of CMakeLists.txt.",
     example="add_executable(my_node my_node.cpp)  # the file is src/my_node.cpp",
     instead="add_executable(my_node src/my_node.cpp)",
 )
@@ -208,10 +208,10 @@ LATE_REGISTRATION = Rule(
     name="registered-after-ament-package",
     severity=Severity.WARNING,
     summary="CMakeLists.txt registers a plugin or component after ament_package(), which is lost.",
-    what="Looks for `pluginlib_export_plugin_description_file()` and "
-    "`rclcpp_components_register_node()` and their like. A later `install()` works.",
-    why="`ament_package()` writes what is registered until then into the ament index. The build "
-    "reports nothing, and the plugin or component is not found when it is loaded.",
+    what="Looks for `pluginlib_export_plugin_description_file()`, "
+    "`rclcpp_components_register_node()` and similar commands. A later `install()` works.",
+    why="`ament_package()` writes what is registered before it into the ament index. The build "
+    "reports nothing, and the plugin or component is not found at run time.",
     example="""ament_package()
 pluginlib_export_plugin_description_file(nav2_core plugins.xml)""",
     instead="""pluginlib_export_plugin_description_file(nav2_core plugins.xml)
@@ -230,8 +230,8 @@ TEST_PACKAGE_REQUIRED = Rule(
     code="BLD051",
     name="test-package-required",
     severity=Severity.WARNING,
-    summary="CMakeLists.txt requires a package of tests where it builds no tests.",
-    what="Looks for `find_package(ament_lint_auto REQUIRED)` and its like outside of "
+    summary="CMakeLists.txt requires a package for tests outside of `if(BUILD_TESTING)`.",
+    what="Looks for calls such as `find_package(ament_lint_auto REQUIRED)` outside of "
     "`if(BUILD_TESTING)`.",
     why="CMake stops on a machine without the package, even with `-DBUILD_TESTING=OFF`.",
     example="find_package(ament_lint_auto REQUIRED)",
@@ -351,12 +351,12 @@ def word_block(opened: Call | None, closing: Call | None) -> tuple[str, str]:
         end = f"end{opened.command}()"
         where = f" before {closing.command}() in line {closing.line}" if closing else ""
         return (
-            f"{opened.command}() in line {opened.line} has no {end}{where}.",
+            f"{opened.command}() in line {opened.line} is not closed by {end}{where}.",
             f"Add {end} where the block ends.",
         )
     assert closing is not None  # noqa: S101  one of them is there
     return (
-        f"{closing.command}() in line {closing.line} ends no {closing.command[3:]}().",
+        f"{closing.command}() in line {closing.line} does not end a {closing.command[3:]}().",
         f"Remove {closing.command}(), or add {closing.command[3:]}() before the block.",
     )
 
@@ -421,7 +421,7 @@ def word_unknown_command(name: str, own: Collection[str] = ()) -> tuple[str, str
     elif near:
         hint = did_you_mean(near)
     else:
-        hint = "Fix its name, or call find_package() of the package that defines it before."
+        hint = "Correct its name, or call find_package() for the package that defines it first."
     return f"CMake does not know the command {name}().", hint
 
 
@@ -430,7 +430,7 @@ def word_destination(kind: str) -> tuple[str, str]:
     place = "share" if kind in {"DIRECTORY", "FILES"} else "lib"
     return (
         f"install({kind} ...) has no DESTINATION.",
-        f"Add before its parenthesis: DESTINATION {place}/${{PROJECT_NAME}}",
+        f"Add before its closing parenthesis: DESTINATION {place}/${{PROJECT_NAME}}",
     )
 
 
@@ -514,7 +514,7 @@ def ament_package(reader: Reader, build_type: str) -> Iterator[Diagnostic]:
 def _word_late(rule: Rule, command: str) -> str:
     if rule is LATE_COMMAND:
         return f"{command}() is called after ament_package(), and must come before it."
-    return f"{command}() is called after ament_package(), which does not register it then."
+    return f"{command}() is called after ament_package(), where it has no effect."
 
 
 def missing_ament_package(package: str, file: Path, line: int | None) -> Diagnostic:

@@ -148,7 +148,7 @@ class _Parser:
         if self.text[position] == '"':
             found = _find_open_quote(self.text)
             return SyntaxMistake(
-                "This line opens a quotation mark and does not close it.",
+                "This line opens a quotation mark that is not closed.",
                 line if found is None else found,
                 'Close it: "..."',
             )
@@ -177,7 +177,9 @@ def _argument(token: re.Match[str], kind: str, line: int) -> Argument:
 def _no_command(word: str, line: int) -> SyntaxMistake:
     if word == ")":
         return SyntaxMistake(
-            "The closing parenthesis has no opening one.", line, "Remove it, or add `(` before."
+            "The closing parenthesis does not match an opening one.",
+            line,
+            "Remove it, or add `(` before.",
         )
     return SyntaxMistake(
         f"`{word.splitlines()[0]}` is not a command.",

@@ -56,7 +56,7 @@ FOLDER_NOT_INSTALLED = Rule(
     severity=Severity.WARNING,
     severity_varies="an error about a folder of launch files, and where a launch file or a robot "
     "of the package needs the folder; information about one that no file of the package names",
-    summary="The package has a folder of resources of which it installs nothing.",
+    summary="The package does not install a folder of resources.",
     what="Looks for folders with names such as launch, urdf, meshes, worlds, models, config and "
     "rviz. Where an install rule cannot be read, nothing is reported.",
     why="`ros2 launch`, `$(find ...)` and `package://` look in `share/PACKAGE` of the install "
@@ -68,8 +68,8 @@ WRONG_DESTINATION = Rule(
     code="BLD055",
     name="wrong-destination",
     severity=Severity.WARNING,
-    severity_varies="an error where a launch file or a robot needs what is not there",
-    summary="A folder of resources is installed where nothing looks for it.",
+    severity_varies="an error where a launch file or a robot needs a file that is then missing",
+    summary="A folder of resources is installed to a place where ROS does not look for it.",
     what="Looks at where folders such as launch, urdf and meshes are installed: `TYPE DATA`, a "
     "destination without `share/` or without the name of the package, or with a variable that is "
     "misspelled or lacks its `$`.",
@@ -82,11 +82,12 @@ CONTENTS_INSTALLED = Rule(
     code="BLD056",
     name="contents-installed",
     severity=Severity.WARNING,
-    severity_varies="an error where a launch file or a robot needs what is not there",
-    summary="A slash at the end of a folder installs what is in it, and not the folder.",
+    severity_varies="an error where a launch file or a robot needs a file that is then missing",
+    summary="With a slash at the end of its name, the contents of a folder are installed, not "
+    "the folder.",
     what="Looks at install() of several folders into the share folder of the package, of which one "
     "has a slash at its end, or all have.",
-    why="The files of all folders lie beside each other in `share/PACKAGE`, and "
+    why="The files of all folders are mixed in `share/PACKAGE`, and "
     "`share/PACKAGE/launch` does not exist.",
     example="install(DIRECTORY launch/ urdf/ DESTINATION share/${PROJECT_NAME})",
     instead="install(DIRECTORY launch urdf DESTINATION share/${PROJECT_NAME})",
@@ -95,7 +96,7 @@ REPEATED_FOLDER = Rule(
     code="BLD057",
     name="repeated-folder",
     severity=Severity.WARNING,
-    severity_varies="an error where a launch file or a robot needs what is not there",
+    severity_varies="an error where a launch file or a robot needs a file that is then missing",
     summary="A folder is installed into a folder of the same name.",
     why="Without a slash at its end, install() copies the folder itself: its files are in "
     "`share/PACKAGE/meshes/meshes`.",
@@ -108,7 +109,7 @@ PROGRAM_NOT_INSTALLED = Rule(
     severity=Severity.WARNING,
     severity_varies="an error where a launch file starts it",
     summary="CMakeLists.txt compiles a program and does not install it to lib/PACKAGE.",
-    what="Looks at programs of add_executable(), but for those of tests and those that the build "
+    what="Looks at programs of add_executable(), except those of tests and those that the build "
     "itself runs.",
     why="`ros2 run` and launch files look for programs in `lib/PACKAGE` of the install space.",
     example="""add_executable(my_node src/my_node.cpp)
@@ -122,7 +123,7 @@ PROGRAM_NOT_EXECUTABLE = Rule(
     name="program-not-executable",
     severity=Severity.WARNING,
     severity_varies="an error where a launch file starts it",
-    summary="A script is installed so that `ros2 run` does not find it.",
+    summary="A script is installed in a way that `ros2 run` does not find it.",
     what="Looks at Python and shell scripts with a shebang that install(FILES) or "
     "install(DIRECTORY) brings to `lib/PACKAGE`.",
     why="`ros2 run` lists executable files in `lib/PACKAGE`. install(FILES) and "
@@ -136,11 +137,11 @@ BROKEN_SHEBANG = Rule(
     name="broken-shebang",
     severity=Severity.ERROR,
     severity_varies="a warning for `python`, which only some machines have",
-    summary="A script that is installed as a program cannot be started by its first line.",
+    summary="The first line of an installed script does not start its interpreter.",
     what="Looks at scripts of install(PROGRAMS) in `lib/PACKAGE` that run something: the first "
-    "line must name the interpreter, and end as lines do on Linux.",
+    "line must name the interpreter, and have the line ending of Linux (LF).",
     why="Linux starts a script with the program after `#!`. Without it `ros2 run` reports `Exec "
-    "format error`; with a line end of Windows it looks for a program `python3\\\\r`.",
+    "format error`; with a line ending of Windows (CRLF) it looks for a program `python3\\\\r`.",
     example="import rclpy  # the first line",
     instead="#!/usr/bin/env python3",
 )
@@ -414,7 +415,7 @@ def destination(rule: InstallRule, reader: Reader) -> Iterator[Diagnostic]:
         rule.file,
         rule.place.line,
         some_of(tops),
-        message=f"{some_of(tops)} is installed to {message}, and looked for in "
+        message=f"{some_of(tops)} is installed to {message}; ROS looks for it in "
         f"share/{reader.name}.",
         hint=hint,
     )
@@ -449,7 +450,7 @@ def _problem_of(  # noqa: PLR0911  one for each problem
             return None
         return f"{place} by {written}", f"Write DESTINATION share/{NAME} in place of {written}."
     if _NO_DOLLAR.search(written):
-        return f"`{written}`, which reads no variable", right
+        return f"`{written}`, which does not use a variable", right
     for name in _VARIABLE.findall(written):
         if name not in reader.variables and reader.look_up_name(name) is None:
             return f"`{written}`, whose variable {name} is not set", right
@@ -565,7 +566,8 @@ def _uninstalled_launch_files(
             facts.build_file,
             line,
             file,
-            message=f"{package} does not install its launch file {file}, but others of the folder.",
+            message=f"{package} does not install its launch file {file}; it installs others of "
+            f"that folder.",
             hint=f"Extend the pattern or the list that installs {folder.name}.",
             severity=Severity.WARNING,
         )
@@ -667,7 +669,7 @@ def _outside(target: Target, rule: InstallRule, place: str, package: str) -> Dia
         rule.file,
         rule.place.line if rule.place else rule.call.line,
         target.name,
-        message=f"The program {target.name} is installed to {place}, and `ros2 run` looks in "
+        message=f"The program {target.name} is installed to {place}; `ros2 run` looks in "
         f"lib/{package}.",
         hint=f"Write: DESTINATION lib/{NAME}",
     )
@@ -692,7 +694,7 @@ def misplaced_scripts(rules: Sequence[InstallRule], package: str) -> Iterator[Di
                     rule.place.line if rule.place else rule.call.line,
                     os.path.basename(argument.text),
                     message=f"The program {os.path.basename(argument.text)} is installed to "
-                    f"{place}, and `ros2 run` looks in lib/{package}.",
+                    f"{place}; `ros2 run` looks in lib/{package}.",
                     hint=f"Write: DESTINATION lib/{NAME}",
                 )
 
@@ -719,7 +721,8 @@ def scripts(executables: Iterable[Executable], package: str) -> Iterator[Diagnos
                     one.source,
                     1,
                     one.name,
-                    message=f"{name} is installed as a program, and its first line names no "
+                    message=f"{name} is installed as a program, but its first line does not name "
+                    "an "
                     "interpreter" + (": a byte order mark is before #!." if has_mark else "."),
                     hint="Save it as UTF-8 without a byte order mark."
                     if has_mark
@@ -730,7 +733,8 @@ def scripts(executables: Iterable[Executable], package: str) -> Iterator[Diagnos
                 one.source,
                 1,
                 one.name,
-                message=f"{name} has line ends of Windows, so that Linux looks for a program "
+                message=f"{name} has line endings of Windows (CRLF), so that Linux looks for a "
+                f"program "
                 f"`{first[2:].strip().split(b'/')[-1].decode(errors='replace')}\\r`.",
                 hint=f"Convert it: sed -i 's/\\r$//' {name}",
             )
@@ -794,9 +798,9 @@ def not_executable(rules: Iterable[InstallRule], package: str) -> Iterator[Diagn
             if found:
                 files = [_below(file, rule.file) for file in found]
                 why = (
-                    f"into lib/{package}/{_base(path)}, and `ros2 run` looks in lib/{package}"
+                    f"into lib/{package}/{_base(path)}; `ros2 run` looks in lib/{package}"
                     if is_below
-                    else "without the right to execute it, and `ros2 run` does not find it"
+                    else "without execute permission, so that `ros2 run` does not find it"
                 )
                 yield PROGRAM_NOT_EXECUTABLE.at(
                     rule.file,

@@ -91,7 +91,7 @@ UNKNOWN_SETUP_OPTION = Rule(
     severity=Severity.WARNING,
     severity_varies="information where only a later setuptools will not know it",
     summary="The build ignores, or will ignore, an unknown option in `setup.py` or `setup.cfg`.",
-    what="Reads the warnings of setuptools, of which nothing else is shown.",
+    what="Reads the warnings of setuptools, which `colcon` does not show.",
     why="The option has no effect, and nothing of what it lists is installed.",
     example="setup(data_file=[('share/' + package_name, ['package.xml'])])",
     instead="setup(data_files=[('share/' + package_name, ['package.xml'])])",
@@ -116,8 +116,8 @@ DIFFERENT_SETUP_NAME = Rule(
     name="different-setup-name",
     severity=Severity.WARNING,
     summary="`package.xml` and setup.py name the package differently.",
-    why="ROS knows the package by the name in package.xml. What setup.py makes of its own name, "
-    "such as the share folder, is installed for another package.",
+    why="ROS knows the package by the name in package.xml. Everything that setup.py derives from "
+    "its own name, such as the share folder, belongs to another package.",
     example="package_name = 'my_robots'  # package.xml: <name>my_robot</name>",
     instead="package_name = 'my_robot'",
 )
@@ -206,7 +206,7 @@ def syntax(setup: Setup, configuration: Configuration, package: str) -> Iterator
             setup.file,
             line,
             package,
-            message=f"{package}: setup.py is no Python: {message.rstrip('.')}.",
+            message=f"{package}: setup.py is not valid Python: {message.rstrip('.')}.",
             hint="Look there and in the line before for a missing comma, bracket or quotation "
             "mark.",
         )
@@ -283,8 +283,8 @@ def word_data_file(
     path = source / name
     folder, _, base = name.rpartition("/")
     if path.is_dir():
-        message = f"data_files names {name}, which is a folder; it takes files."
-        hint = f"Give it a pattern that files alone match, and {name} an entry of its own."
+        message = f"data_files names {name}, which is a folder; only files are allowed."
+        hint = f"Write a pattern that matches only files, and a separate entry for {name}."
     else:
         beside = [entry.name for entry in path.parent.iterdir()] if path.parent.is_dir() else []
         message = f"data_files names {name}, which does not exist."
@@ -443,7 +443,7 @@ def entry_points(
             setup.file,
             getattr(setup.scripts_group, "line", setup.line_of("entry_points")),
             package,
-            message=f"{package}: setuptools installs no {names}: their group in entry_points is "
+            message=f"{package}: setuptools does not install {names}: the group in entry_points is "
             f"`{setup.scripts_group}`.",
             hint=did_you_mean(CONSOLE_SCRIPTS),
         )
@@ -500,7 +500,8 @@ def _problem_of(  # noqa: PLR0911  one for each problem
     if not module:
         return None
     if not function:
-        return f"it names no function of {module}", f"Write {module}:main, if that is the function."
+        return f"it does not name a function of {module}", f"Write {module}:main, if that is the "
+        "function."
     parent, _, base = module.rpartition(".")
     folder = packages.get(parent) if parent else None
     if folder is not None:
@@ -531,7 +532,7 @@ def _problem_of(  # noqa: PLR0911  one for each problem
         ]
         return (
             f"the module {module} does not exist",
-            f"{ask_for_nearest(module, known)}Write it, or name another one.",
+            f"{ask_for_nearest(module, known)}Define it, or name another one.",
         )
     return None
 
@@ -555,7 +556,7 @@ def _function_missing(file: Path, module: str, function: str) -> tuple[str, str]
     functions = [one.name for one in tree.body if isinstance(one, ast.FunctionDef)]
     return (
         f"{module} has no function {wanted}",
-        f"{ask_for_nearest(wanted, functions)}Write it, or name another one.",
+        f"{ask_for_nearest(wanted, functions)}Define it, or name another one.",
     )
 
 
@@ -578,7 +579,7 @@ def destinations(setup: Setup, package: str) -> Iterator[tuple[Diagnostic, str]]
             setup.file,
             one.line,
             top,
-            message=f"{top} is installed to {where}, and looked for in share/{package}.",
+            message=f"{top} is installed to {where}; ROS looks for it in share/{package}.",
             hint=f"Write: 'share/{package}/{os.path.dirname(one.name)}'",
         )
         yield found, top

@@ -64,7 +64,7 @@ def check_python_syntax(facts: BuildFacts, distro: str | None) -> Iterator[Diagn
             file,
             line,
             file.name,
-            message=f"{os.path.relpath(file, facts.build_file.parent)} is no Python"
+            message=f"{os.path.relpath(file, facts.build_file.parent)} is not valid Python"
             f"{_named(wanted) if _FEATURE.search(message) else ''}: {message}.",
             hint=hint,
             severity=Severity.ERROR if is_started else Severity.WARNING,
@@ -179,13 +179,13 @@ def _explained(
 def _hint(error: SyntaxError, message: str) -> str:
     newer = _FEATURE.match(message)
     if newer is not None:
-        return f"Write it without what Python {newer[2]} brought."
+        return f"Write it without the syntax that is new in Python {newer[2]}."
     if "codec" in message or "encoding" in message:
         return "Save the file as UTF-8."
     if "Missing parentheses in call to" in message:
         return "Convert the file from Python 2: 2to3 -w, or by hand."
     if isinstance(error, IndentationError):
-        return "Indent the lines of a block alike, with spaces."
+        return "Indent the lines of a block equally, with spaces."
     return (
         "Look there and in the line before for a missing colon, comma, bracket or quotation mark."
     )
@@ -193,7 +193,7 @@ def _hint(error: SyntaxError, message: str) -> str:
 
 def _with_zeros(data: bytes) -> tuple[int | None, str, str]:
     encoding = wide_encoding(data) or "UTF-16"
-    return 1, "it has null bytes, as a text in UTF-16 does", save_as_utf8(encoding)
+    return 1, "it contains null bytes, as text in UTF-16 does", save_as_utf8(encoding)
 
 
 def _may_be_newer(lines: list[str], line: int | None) -> bool:

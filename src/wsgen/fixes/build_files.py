@@ -390,7 +390,7 @@ def fix_shebang(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     first, _, _ = source.text.partition("\n")
     if source.file.suffix != ".py" or source.mark:
         return []
-    if "line ends of Windows" in diagnostic.message:
+    if "line endings of Windows" in diagnostic.message:
         return [
             Edit(start=found.start(), end=found.end(), text="")
             for found in re.finditer(r"\r(?=\n)", source.text)

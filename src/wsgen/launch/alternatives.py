@@ -30,7 +30,7 @@ ASSUMED_ARGUMENT = Rule(
     code="LCH092",
     name="assumed-argument",
     severity=Severity.INFO,
-    summary="The launch file is evaluated with a value of a launch argument that nobody gave.",
+    summary="The launch file is evaluated with a launch argument whose value wsgen has chosen.",
     what="Tries, where the launch file fails without it, the values that the launch file names: "
     "choices, values in quotes in the description, and those that conditions compare with.",
     why="`ros2 launch` needs the value on its command line. Another value may start something "

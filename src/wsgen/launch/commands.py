@@ -25,8 +25,9 @@ COMMAND_WITHOUT_SHELL = Rule(
     code="LCH040",
     name="command-without-shell",
     severity=Severity.ERROR,
-    summary="A command line is one word, and no shell splits it.",
-    why="`launch` looks for a program of that whole name, blanks included, and does not find one.",
+    summary="A command line is a single word, which is not split without a shell.",
+    why="`launch` looks for a program with that whole name, including its blanks, and does not "
+    "find one.",
     example="ExecuteProcess(cmd=['gz sim -r', world])",
     instead="ExecuteProcess(cmd=['gz', 'sim', '-r', world])",
 )
@@ -143,7 +144,7 @@ def commands_without_shell(plan: LaunchPlan) -> Iterator[Diagnostic]:
                 line,
                 message=f"'{line}' is one item of `cmd`, which `launch` takes for the name of a "
                 "program.",
-                hint="Write each word as an item of its own, or add shell=True.",
+                hint="Write each word as a separate item, or add shell=True.",
             )
 
 

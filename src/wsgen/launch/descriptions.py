@@ -28,8 +28,8 @@ NO_DESCRIPTION_SOURCE = Rule(
     name="no-description-source",
     severity=Severity.ERROR,
     summary="The spawner reads the robot from its standard input.",
-    why="`launch` connects nothing to the standard input of a process, so the spawner waits for "
-    "ever.",
+    why="`launch` connects nothing to the standard input of a process, so the spawner waits "
+    "forever.",
     example="arguments=['-stdin', '-entity', 'my_robot']",
     instead="arguments=['-topic', 'robot_description', '-entity', 'my_robot']",
 )
@@ -37,12 +37,12 @@ UNPUBLISHED_DESCRIPTION = Rule(
     code="SPN008",
     name="unpublished-description",
     severity=Severity.ERROR,
-    severity_varies="a warning where what is not evaluated may publish it and another robot is "
-    "simulated",
+    severity_varies="a warning where a part that is not evaluated may publish it and another "
+    "robot is simulated",
     summary="No `robot_state_publisher` publishes the topic that the spawner reads.",
     what="Compares the topic of the spawner with those of every `robot_state_publisher`, with "
     "namespaces and remappings.",
-    why="The spawner waits for the topic for ever, and the robot does not appear.",
+    why="The spawner waits forever for the topic, and the robot does not appear.",
     example="arguments=['-topic', 'robot', '-entity', 'my_robot']",
     instead="arguments=['-topic', 'robot_description', '-entity', 'my_robot']",
 )
@@ -51,7 +51,7 @@ PUBLISHER_WITHOUT_DESCRIPTION = Rule(
     name="publisher-without-description",
     severity=Severity.ERROR,
     summary="`robot_state_publisher` has no parameter `robot_description`.",
-    why="`robot_state_publisher` ends with an error, and the spawner waits for the topic for ever.",
+    why="`robot_state_publisher` ends with an error, and the spawner waits forever for the topic.",
     example="Node(package='robot_state_publisher', executable='robot_state_publisher')",
     instead="Node(package='robot_state_publisher', executable='robot_state_publisher',\n"
     "     parameters=[{'robot_description': text}])",
@@ -93,7 +93,7 @@ UNKNOWN_DESCRIPTION = Rule(
     name="unknown-description",
     severity=Severity.WARNING,
     severity_varies="an error where no other robot is simulated",
-    summary="What is spawned is known only where ROS 2 is installed.",
+    summary="The spawned robot is known only where ROS 2 is installed.",
     what="Looks for values of packages that are not installed and outputs of commands that are not "
     "run, in what a spawner is given.",
     why="The robot is not simulated.",
@@ -125,7 +125,8 @@ def find_description(
         return _report(
             NO_DESCRIPTION_SOURCE,
             spawner,
-            f"{spawner.executable} reads the robot from standard input, and nothing writes to it.",
+            f"{spawner.executable} reads the robot from standard input, but launch does not "
+            f"write to it.",
             "Use '-topic', 'robot_description' instead of -stdin.",
         )
     if not options[source].lstrip().startswith("<") and plan.is_unknown(options[source]):
@@ -233,7 +234,7 @@ def _from_topic(plan: LaunchPlan, spawner: Process, topic: str) -> Description |
     published = published_descriptions(plan)
     if wanted in published:
         return read_published(plan, published[wanted])
-    others = ", ".join(published) or "nothing, as it starts no robot_state_publisher"
+    others = ", ".join(published) or "nothing, as it does not start robot_state_publisher"
     may_be_elsewhere = not published and _may_publish_elsewhere(plan)
     missing = UNPUBLISHED_DESCRIPTION.at(
         spawner.file,
@@ -305,8 +306,8 @@ def _unknown(process: Process, value: str) -> Diagnostic:
     return _report(
         UNKNOWN_DESCRIPTION,
         process,
-        f"{process.executable} is given '{value[:60]}', which only an installed ROS 2 knows: the "
-        "robot is not simulated.",
+        f"{process.executable} is given '{value[:60]}', which is known only where ROS 2 is "
+        "installed: the robot is not simulated.",
         "Simulate its description alone: wsgen validate FILE",
     )
 

@@ -122,9 +122,10 @@ def _unset_search_paths(plan: LaunchPlan) -> dict[str, Diagnostic]:
         if one.code == VARIABLE_NOT_SET.code and _SEARCH_PATH.fullmatch(name):
             message = (
                 f"The launch file adds to {name}, which is not set: `ros2 launch` stops here, "
-                "unless something else sets it. An empty one is assumed."
+                "unless the variable is set elsewhere. wsgen takes it as empty."
             )
-            hint = f"Write AppendEnvironmentVariable('{name}', FOLDER), which needs no value."
+            hint = f"Write AppendEnvironmentVariable('{name}', FOLDER), which works without a "
+            "value."
             found[name] = replace(one, message=message, hint=hint, severity=Severity.WARNING)
     return found
 
@@ -165,12 +166,12 @@ def _death(died: Died, launch_file: Path) -> Diagnostic:
         return TAKES_TOO_LONG.at(
             launch_file,
             message=f"Evaluating the launch file {died.reason}.",
-            hint=died.hint("Look for a loop that never ends; a launch file only describes."),
+            hint=died.hint("Look for an endless loop; a launch file only describes what to start."),
         )
     return PROCESS_DIES.at(
         launch_file,
         message=f"Evaluating the launch file stopped: it {died.reason}.",
         hint=died.hint(
-            f"Its last words: {died.output[-400:]}" if died.output else "It printed nothing."
+            f"Its last output: {died.output[-400:]}" if died.output else "It printed nothing."
         ),
     )

@@ -58,7 +58,7 @@ UNDEFINED_CONFIGURATION = Rule(
     severity=Severity.ERROR,
     summary="A launch configuration is used before it is set.",
     what="Evaluates the launch description in order, as `launch` does: a configuration exists "
-    "from the action on that declares or sets it.",
+    "only after the action that declares or sets it.",
     why="`ros2 launch` stops at the action that uses it.",
     example="LaunchDescription([\n"
     "    LogInfo(msg=LaunchConfiguration('world')),\n"
@@ -156,7 +156,7 @@ FORKS = Rule(
     name="launch-forks",
     severity=Severity.ERROR,
     summary="The launch file forks.",
-    why="Two processes would go on with the same launch, and each would start everything.",
+    why="Both processes would continue the same launch, and each would start everything.",
     example="if os.fork() == 0:\n    run_server()",
     instead="ExecuteProcess(cmd=['python3', path_of_server])",
 )
@@ -254,7 +254,7 @@ def _encoding(error: BaseException) -> Explanation | None:
         return Explanation(
             SYNTAX_ERROR,
             "The launch file has a null byte, which Python cannot read.",
-            "Delete that character, or get the file again.",
+            "Delete that character, or restore the file.",
             file,
             content.count(b"\n", 0, content.index(b"\0")) + 1,
         )
@@ -436,15 +436,15 @@ def _program_end(error: BaseException) -> Explanation | None:
         asked = f"`{prompt[-LONGEST:]}`" if prompt else "for keyboard input"
         return Explanation(
             INTERACTIVE_INPUT,
-            f"The launch file asks {asked}, and gets no answer.",
-            "Give the answers with --answer TEXT, once for each question, or on standard input. A "
-            "launch argument asks nobody: DeclareLaunchArgument(NAME, default_value=...).",
+            f"The launch file asks {asked}, and does not get an answer.",
+            "Give the answers with --answer TEXT, once for each question, or on standard input. "
+            "Better, use a launch argument: DeclareLaunchArgument(NAME, default_value=...).",
         )
     if isinstance(error, ForkError):
         return Explanation(
             FORKS,
-            "The launch file forks: two processes would go on with the launch.",
-            "Start other programs with ExecuteProcess; a launch file only describes.",
+            "The launch file forks: two processes would continue the launch.",
+            "Start other programs with ExecuteProcess; a launch file only describes what to start.",
         )
     if isinstance(error, (SystemExit, KeyboardInterrupt)):
         return Explanation(
@@ -456,7 +456,7 @@ def _program_end(error: BaseException) -> Explanation | None:
         return Explanation(
             RAISES,
             "The launch file includes or calls itself without end, or it is nested too deeply.",
-            "Give an include of itself a condition that becomes false; write what is nested as "
+            "Add a condition that becomes false to an include of itself; write nested actions as "
             "several actions.",
         )
     return None
@@ -469,8 +469,8 @@ def _refusal(error: BaseException) -> Explanation | None:
         return Explanation(
             DESCRIPTION_NOT_YAML,
             f"{text}.",
-            "ParameterValue(Command([...]), value_type=str) keeps the text as it is; launch_ros "
-            "reads it as YAML otherwise, and a ': ' or ' #' in the robot is enough to stop it.",
+            "ParameterValue(Command([...]), value_type=str) keeps the text as it is; otherwise "
+            "launch_ros reads it as YAML, and a ': ' or ' #' in the robot stops the launch.",
         )
     if kind == "SubstitutionFailure" and text.startswith("launch configuration"):
         name = text.split("'")[1]
@@ -505,7 +505,7 @@ def _invalid_value(error: BaseException) -> Explanation | None:
     if "xml.dom.minidom.Document" in text:
         return Explanation(
             REFUSED_BY_LAUNCH,
-            "A parameter of the node is the XML document of xacro, and must be its text.",
+            "A parameter of the node is the XML document of xacro, but must be its text.",
             "Write xacro.process_file(...).toxml().",
         )
     type_error = getattr(error, "wsgen_wrong_type", None)
@@ -526,7 +526,7 @@ def _invalid_value(error: BaseException) -> Explanation | None:
     if getattr(error, "wsgen_is_mapping", False):
         return Explanation(
             REFUSED_BY_LAUNCH,
-            f"{text}: `launch_arguments` of the include is a dictionary, and must be pairs of a "
+            f"{text}: `launch_arguments` of the include is a dictionary, but must be pairs of a "
             "name and a value.",
             "Write launch_arguments={...}.items().",
         )
@@ -569,7 +569,7 @@ def _not_text(error: BaseException, value: object) -> Explanation:
     name, line = written
     return Explanation(
         REFUSED_BY_LAUNCH,
-        f"`{name}` holds {what}, and must hold text ({_quoted(error, BRIEF)}).",
+        f"`{name}` is {what}, but must be text ({_quoted(error, BRIEF)}).",
         hint,
         place[0],
         line,
@@ -600,7 +600,7 @@ def _other(error: BaseException) -> Explanation:
     return Explanation(
         RAISES,
         f"The launch file raises {text}.",
-        "Fix it; `ros2 launch` would fail in the same way.",
+        "Fix the error; `ros2 launch` would fail in the same way.",
     )
 
 

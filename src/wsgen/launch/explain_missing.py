@@ -102,12 +102,14 @@ class AbsolutePart(NamedTuple):
     @property
     def message(self) -> str:
         """What is wrong."""
-        return f"`{self.function}` drops what is before '{self.text}', which begins with a slash."
+        return (
+            f"`{self.function}` ignores everything before '{self.text}', which begins with a slash."
+        )
 
     @property
     def hint(self) -> str:
         """What to write."""
-        return f"Write '{self.text.lstrip('/')}', without the slash at its beginning."
+        return f"Write '{self.text.lstrip('/')}', without the leading slash."
 
 
 def absolute_part(path: str, files: Iterable[str | Path]) -> AbsolutePart | None:
@@ -176,7 +178,7 @@ PACKAGE_NOT_FOUND = Rule(
     severity=Severity.ERROR,
     summary="A package that is looked up is not installed.",
     what="Looks up packages in the sourced install spaces, and accepts those that docs/launch.md "
-    "lists or that `package.xml` declares.",
+    "lists or `package.xml` declares.",
     why="`get_package_share_directory()`, `FindPackageShare` and `$(find ...)` raise an error for "
     "it, and the launch stops.",
     example="get_package_share_directory('my_robot_desription')",
@@ -198,8 +200,8 @@ NOT_READABLE = Rule(
     name="launch-not-readable",
     severity=Severity.ERROR,
     summary="The launch file, or a file that it uses, cannot be read.",
-    what="Looks for files without read permission, and for folders, devices and named pipes in "
-    "the place of a file.",
+    what="Looks for files without read permission, and for folders, devices and named pipes "
+    "instead of a file.",
     why="The launch stops with the error of the operating system.",
     example="chmod 000 launch/robot.launch.py",
     instead="chmod 644 launch/robot.launch.py",
@@ -219,8 +221,9 @@ GLUED_COMMAND = Rule(
     code="LCH083",
     name="glued-command",
     severity=Severity.ERROR,
-    summary="`Command` joins `xacro` and the path of its file to one word.",
-    why="`Command` joins its parts without blanks. No program has that name, and the launch stops.",
+    summary="`Command` joins `xacro` and the path of its file into one word.",
+    why="`Command` joins its parts without blanks. A program of that name does not exist, and "
+    "the launch stops.",
     example="Command(['xacro', path])",
     instead="Command(['xacro ', path])",
 )
@@ -349,7 +352,7 @@ def _missing_file(path: str) -> Explanation:
     if package is not None and known_packages.is_in_shim(path):
         return Explanation(
             PACKAGE_NOT_FOUND,
-            f"A file of the package '{package}' is needed, and the package is not installed "
+            f"The launch file needs a file of the package '{package}', which is not installed "
             f"here: '{path}'.",
             f"Build {package} in this workspace, or source an installation that has it.",
             element=package,
@@ -476,8 +479,8 @@ def executable_error(error: BaseException) -> Explanation | None:
     if os.path.isfile(script):
         return Explanation(
             EXECUTABLE_NOT_FOUND,
-            f"'{program}' of the package '{package}' is installed into bin, and `launch` looks in "
-            f"lib/{package}.",
+            f"'{program}' of the package '{package}' is installed into bin, but `launch` looks "
+            f"in lib/{package}.",
             f"Write in setup.cfg of {package}: [install] install_scripts=$base/lib/{package}, and "
             f"[develop] script_dir=$base/lib/{package}; then run `wsgen build`.",
             element=program,

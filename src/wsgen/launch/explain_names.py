@@ -67,12 +67,12 @@ UNSUPPORTED_API = Rule(
     code="LCH017",
     name="unsupported-launch-api",
     severity=Severity.ERROR,
-    severity_varies="information of `wsgen check` where it is not surely misspelled",
+    severity_varies="information of `wsgen check` where it may be correct",
     summary="The launch file uses a part of the launch API that wsgen does not know.",
     what="Compares what is imported from `launch`, `launch_ros` and `ament_index_python` with the "
     "names in docs/launch.md.",
-    why="Most often the name is misspelled, and `ros2 launch` fails in the same way. What wsgen "
-    "does not know it cannot evaluate, and does not guess.",
+    why="Most often the name is misspelled, and `ros2 launch` fails in the same way. wsgen "
+    "cannot evaluate what it does not know.",
     example="from launch.actions import Node",
     instead="from launch_ros.actions import Node",
 )
@@ -104,7 +104,7 @@ INVALID_KEYWORD = Rule(
     code="LCH031",
     name="invalid-keyword",
     severity=Severity.ERROR,
-    summary="A class of the launch API lacks a keyword argument, or does not know one.",
+    summary="A keyword argument of a class of the launch API is missing or unknown.",
     why="Python raises a TypeError, and `ros2 launch` starts nothing.",
     example="Node(package='rviz2', excutable='rviz2')",
     instead="Node(package='rviz2', executable='rviz2')",
@@ -198,20 +198,20 @@ def of_name(error: BaseException) -> Explanation | None:
             UNDEFINED_NAME,
             f"{error}: it is the name of {'this' if name == RECORD.package else 'a'} package, and "
             "has no quotes.",
-            f"Put quotes round it: '{name}'.",
+            f"Put quotes around it: '{name}'.",
             element=name,
         )
     if name in {"true", "false"} and _last_file(error) not in RECORD.launch_files:
         return Explanation(
             UNDEFINED_NAME,
-            f"`PythonExpression` gets `{name}`, which is no name of Python: {error}.",
+            f"`PythonExpression` gets `{name}`, which is not a Python name: {error}.",
             f"Write {name.title()} as the value of the argument, or compare its text: "
             f"""PythonExpression(["'", LaunchConfiguration(NAME), "' == '{name}'"]).""",
             element=name,
         )
     known = _visible_names(error)
     near = nearest(name, {*known, *_importable_names()})
-    hint = "Check the spelling, define it above this line, or, if it is text, put quotes round it."
+    hint = "Check the spelling, define it above this line, or, if it is text, put quotes around it."
     if near is not None:
         missing = None if near in known else import_line(near)
         hint = did_you_mean(near) + (f" Add `{missing}` at the top." if missing else "")
@@ -338,7 +338,7 @@ def of_keyword(error: BaseException) -> Explanation | None:
     if keyword is None:
         return Explanation(
             INVALID_KEYWORD,
-            f"`{name}` is not given `{found[2]}`, which it needs.",
+            f"`{name}` is not given `{found[2]}`, which it requires.",
             f"Add `{found[2]}=...` to its arguments.",
             file,
             line,
@@ -349,8 +349,8 @@ def of_keyword(error: BaseException) -> Explanation | None:
         return Explanation(
             OLD_KEYWORD,
             f"{said}.",
-            "Node takes executable, name and namespace; node_executable, node_name and "
-            "node_namespace were removed in Galactic.",
+            "Write executable, name and namespace; node_executable, node_name and node_namespace "
+            "were removed in Galactic.",
             file,
             given.get(keyword, line),
             keyword,
@@ -423,7 +423,7 @@ def of_returned(error: BaseException) -> Explanation | None:
         what = returned[1][:LONGEST] + ("..." if len(returned[1]) > LONGEST else "")
         return Explanation(
             REFUSED_BY_LAUNCH,
-            f"{message}, and returns {what}.",
+            f"{message}, but returns {what}.",
             "Write `return LaunchDescription([...])`.",
         )
     made = [
@@ -440,7 +440,7 @@ def of_returned(error: BaseException) -> Explanation | None:
     )
     return Explanation(
         REFUSED_BY_LAUNCH,
-        f"{message}, and returns None{'' if has_return else ': it has no `return`'}.",
+        f"{message}, but returns None{'' if has_return else ': it has no `return`'}.",
         f"Add `return {made[-1] if made else 'LaunchDescription([...])'}` as its last line.",
     )
 
@@ -458,10 +458,9 @@ def of_launch_function(error: BaseException) -> Explanation | None:
     return Explanation(
         NO_LAUNCH_FUNCTION,
         f"The launch file has no function {wanted}().",
-        f"Rename `{near}` to `{wanted}`: ros2 launch calls it by this name."
+        f"Rename `{near}` to `{wanted}`: ros2 launch calls this function."
         if near
-        else "Define it, and return a LaunchDescription from it: ros2 launch calls it by this "
-        "name.",
+        else "Define it, and return a LaunchDescription from it: ros2 launch calls this function.",
         file,
         functions[near] if near else line,
     )

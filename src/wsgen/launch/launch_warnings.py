@@ -81,7 +81,7 @@ NO_ACTION = Rule(
     code="LCH065",
     name="no-action-on-exit",
     severity=Severity.WARNING,
-    summary="What `on_exit` is given is no action.",
+    summary="The value of `on_exit` is not an action.",
     why="When the process ends, `launch` stops everything with an AttributeError. "
     "`launch.events.Shutdown` is an event; the action of that name is in `launch.actions`.",
     example="from launch.events import Shutdown\n\nNode(..., on_exit=Shutdown())",
@@ -159,11 +159,11 @@ def report_no_action(given: object, location: Location | None) -> None:
         NO_ACTION,
         (file, min(lines, default=line)) if location else None,
         "on_exit",
-        f"`on_exit` is given {name} of {type(given).__module__.replace('._', '.')}, which is no "
-        "action: when the process ends, `launch` stops with an AttributeError.",
+        f"`on_exit` is given {name} of {type(given).__module__.replace('._', '.')}, which is not "
+        "an action: when the process ends, `launch` stops with an AttributeError.",
         f"Import {name} from launch.actions, or write on_exit=[EmitEvent(event={name}())]."
         if hasattr(launch.actions, name)
-        else "Give it an action, or a list of actions.",
+        else "Write an action, or a list of actions.",
     )
 
 
@@ -176,8 +176,8 @@ def report_description_as_yaml(location: Location | None) -> None:
         DESCRIPTION_AS_YAML,
         location,
         "robot_description",
-        "robot_description is parsed as YAML: this robot passes, with its line breaks folded; a "
-        "': ' or ' #' in it, in a comment for example, would stop the launch.",
+        "robot_description is parsed as YAML: this works for this robot, but a ': ' or ' #' in "
+        "it, for example in a comment, would stop the launch.",
         as_text.get(Path(location[0]).suffix if location else "", in_python),
     )
 

@@ -28,8 +28,8 @@ def or_unused_action(
             return replace(
                 missing,
                 severity=Severity.ERROR,
-                message=f"{missing.message.rstrip('.')}: `{action.name}` is created and not added "
-                "to the LaunchDescription.",
+                message=f"{missing.message.rstrip('.')}: `{action.name}` is created but not "
+                "added to the LaunchDescription.",
                 file=action.file,
                 line=action.line,
                 element=action.name,

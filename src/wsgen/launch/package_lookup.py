@@ -174,7 +174,7 @@ def report(launch_file: str) -> None:
     _report_left_out(
         [one for one in left_out if one[1] not in installed],
         launch_file,
-        "Not on this machine, and left out",
+        "Not installed on this machine, and left out",
         "Build them in this workspace, or source an installation of ROS that has them, if the "
         "robot needs them.",
     )
@@ -182,7 +182,7 @@ def report(launch_file: str) -> None:
         [one for one in left_out if one[1] in installed],
         launch_file,
         "Not compiled, and left out",
-        "`wsgen build` compiles them where a ROS is sourced that has what they need (source "
+        "`wsgen build` compiles them where a ROS with their dependencies is sourced (source "
         "/opt/ros/<distro>/setup.bash).",
     )
 

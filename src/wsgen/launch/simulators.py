@@ -26,7 +26,7 @@ NO_SIMULATOR = Rule(
     code="SPN001",
     name="no-simulator",
     severity=Severity.WARNING,
-    severity_varies="an error if an action that starts one is created and not added",
+    severity_varies="an error if an action that starts one is created but not added",
     summary="The launch file starts no simulator.",
     what="Looks for the launch files and programs of Gazebo Classic and Gazebo Sim among what the "
     "launch file includes and starts.",

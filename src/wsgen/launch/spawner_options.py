@@ -144,7 +144,7 @@ def _lacking(process: Process, options: Options, values: Mapping[str, str]) -> I
         found = " and ".join(f"-{name}" for name in given) or "none of them"
         exactly = "exactly " if options.is_strict else ""
         yield _Remark(
-            f"{process.executable} needs {exactly}one of {all_sources}, and is given {found}.",
+            f"{process.executable} needs {exactly}one of {all_sources}, but is given {found}.",
             "Usually it is '-topic', 'robot_description'.",
         )
     if not values.get(options.entity) and not options.default_entity:
@@ -239,7 +239,7 @@ def _read_flags(
 def _unknown(process: Process, word: str, options: Options) -> _Remark:
     if " " in word.strip():
         return _Remark(
-            f"'{word}' is one argument of {process.executable}, which does not know it.",
+            f"'{word}' is a single argument of {process.executable}, which does not know it.",
             "Write each option and each value as a separate item of `arguments`.",
         )
     names = [f"-{name}" for name in sorted(options.with_value | options.flags)]

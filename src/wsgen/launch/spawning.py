@@ -86,10 +86,11 @@ ASSUMED_SPAWNER = Rule(
     code="SPN092",
     name="assumed-spawner",
     severity=Severity.INFO,
-    summary="A program of somebody's own is assumed to spawn the robot.",
+    summary="A program of the workspace is assumed to spawn the robot.",
     what="Looks, where no spawner of Gazebo is started, for a program of a package that is not "
     "released, beside a simulator and a robot description.",
-    why="What the program does is not known: the robot is simulated on the ground, at the origin.",
+    why="`wsgen` does not know what the program does: the robot is simulated on the ground, at the "
+    "origin.",
     example="Node(package='my_robot', executable='spawn_robot.py')",
     instead="Node(package='gazebo_ros', executable='spawn_entity.py',\n"
     "     arguments=['-topic', 'robot_description', '-entity', 'my_robot'])",
@@ -182,7 +183,7 @@ def assume_spawn(plan: LaunchPlan) -> tuple[Spawn | None, Diagnostic]:
                 program,
                 f"No spawner of Gazebo is started: '{program.executable}' is assumed to spawn the "
                 f"robot `{spawn.entity}`, which is simulated on the ground at the origin.",
-                "Nothing needs to be done. With a spawner of Gazebo its pose is simulated too.",
+                "No change is needed. With a spawner of Gazebo, its pose is simulated too.",
             )
     return None, missing
 
@@ -348,7 +349,7 @@ def _described_in_request(
         program,
         f"The request for {kind} has no field `{SPAWNING_REQUESTS[kind]}`."
         if fields
-        else f"The request for {kind} is not one: a quote in it may end the text too early.",
+        else f"The request for {kind} cannot be parsed: a quote in it may end the text too early.",
         "Quote the text of the robot, and write a backslash before each quote inside of it.",
     )
 

@@ -100,7 +100,7 @@ def _launched(selected: SelectedLaunchFile, request: ValidateRequest) -> str:
 
 
 def _last_lines(journal: Journal) -> Iterator[str]:
-    """What the process has printed last that has failed, or what tells most of all, with names."""
+    """What the process has printed last that has failed, or what says most of all, with names."""
     failed = next(iter(journal.failed), None)
     lines = (
         list(journal.telling)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 VARIABLE = "ROS_DISTRO"
 
 
-def distro_of_nodes(  # noqa: PLR0913  all that tells it
+def distro_of_nodes(  # noqa: PLR0913  all that says it
     manifest: Manifest | None,
     *,
     simulator: str | None,
@@ -31,12 +31,12 @@ def distro_of_nodes(  # noqa: PLR0913  all that tells it
     recorded: str | None = None,
     workspace: Collection[str] = (),
 ) -> str:
-    """The distribution that nodes are told.
+    """The distribution that nodes see.
 
     Args:
         manifest: Of the package that is launched; None where it has none.
         simulator: What the launch file starts, a key of `SIMULATORS`.
-        installed: The distribution of the ROS that runs; it is told where it is a possible one.
+        installed: The distribution of the ROS that runs; the answer where it is a possible one.
         set_by_user: ROS_DISTRO of the shell.
         recorded: What wsgen.toml says.
         workspace: The names of all packages of the workspace.

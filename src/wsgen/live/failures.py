@@ -23,7 +23,8 @@ class FailedProgram:
     """What is known of one."""
 
     name: str  # as the launch file calls it
-    place: str | None = None  # in its source, where that was told: "line 2 of src/rover/driver.py"
+    place: str | None = None  # in its source, where that was reported: "line 2 of "
+    "src/rover/driver.py"
     is_built: bool = True  # what is corrected there has to be installed
     missing_module: str | None = None  # whose absence has ended it
     is_of_user: bool = True  # it is none of ROS, and none of wsgen

@@ -5,7 +5,7 @@ line is a JSON array that begins with what has happened:
 
     ["started", NAME, PID, NODE, ROLE]       NODE: its full name or null; ROLE: see below
     ["line", NAME, TEXT]                     of a process, or of launch itself
-    ["ended", NAME, CODE, IS_WANTED]         IS_WANTED: it was told to
+    ["ended", NAME, CODE, IS_WANTED]         IS_WANTED: it was asked to
     ["left_out", WHAT, WHY]
 """
 
@@ -92,7 +92,7 @@ class KnownProcess:
     node: str | None  # its full name, if the launch file gives it one
     role: str
     code: int | None = None  # None: it runs; minus the number of the signal that has ended it
-    is_wanted: bool = False  # it was told to end
+    is_wanted: bool = False  # it was asked to end
     lines: deque[str] = field(default_factory=lambda: deque(maxlen=KEPT_LINES))  # the last ones
 
     @property

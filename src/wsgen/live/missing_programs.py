@@ -53,7 +53,7 @@ STARTS_NOTHING = Rule(
     what="Looks, with `wsgen launch --run`, for plans without processes and without included "
     "launch files of packages that are not installed.",
     why="The run ends at once, as that of `ros2 launch`: conditions exclude every node, or an "
-    "action is created and not added to the LaunchDescription.",
+    "action is created but not added to the LaunchDescription.",
     example="return LaunchDescription([])",
     instead="return LaunchDescription([node])",
 )

@@ -311,7 +311,7 @@ def _found(subject: Validation, started: Started, *, has_simulation: bool) -> It
 
 
 def _distro(subject: Validation, packages: Collection[PackageFolder], ros: RosEnvironment) -> str:
-    """The distribution that nodes are told."""
+    """The distribution that nodes see."""
     source = subject.selected.source
     return distro_of_nodes(
         next((one.manifest for one in packages if one.path == source), None),

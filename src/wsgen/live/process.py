@@ -36,7 +36,7 @@ A_LINE = 50  # bytes more that a line counts, for what is written before it
 MOST_CACHED = 1 << 24  # bytes that are kept for the launch file
 STDOUT, STDERR = 1, 2
 STREAMS = {STDOUT: "stdout", STDERR: "stderr"}
-# Signals that tell a process to end, whatever its exit code is then. Others may be for its handler.
+# Signals that ask a process to end, whatever its exit code is then. Others may be for its handler.
 ENDING = frozenset({signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM, signal.SIGKILL})
 DESTINATIONS = ("screen", "log", "own_log")
 _ALIASES: dict[str, dict[str, set[str]]] = {
@@ -136,7 +136,7 @@ class Output:
         self._screen = screen
         self._logs = logs
         self._rest = b""
-        self._unheard = b""  # of a line, that nobody who listens has been told
+        self._unheard = b""  # of a line, that nobody who listens has heard
         wanted = destinations(start.output)
         own = STREAMS[stream]
         self._to = wanted["both"] | wanted[own]
@@ -161,7 +161,7 @@ class Output:
             self._write([line.rstrip(b"\r") for line in lines])
 
     def hear(self, data: bytes, *, is_last: bool = False) -> bytes:
-        """What those who listen are told: whole lines, as programs print them that do not flush."""
+        """What those who listen hear: whole lines, as programs print them that do not flush."""
         lines, found, self._unheard = (self._unheard + data).rpartition(b"\n")
         if is_last:
             found, self._unheard = found + self._unheard, b""
@@ -309,7 +309,7 @@ class RunningProcess:
             os.killpg(self.pid, number)
 
     def is_end_wanted(self, code: int) -> bool:
-        """Whether it was told to end: by launch, or by a signal that the launch file sends."""
+        """Whether it was asked to end: by launch, or by a signal that the launch file sends."""
         return self.is_ending or not ENDING.isdisjoint(self._signals) or -code in self._signals
 
     def close(self) -> None:

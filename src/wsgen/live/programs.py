@@ -28,7 +28,7 @@ class BuiltIn:
     arguments: tuple[str, ...] = ()  # before those of the launch file
     keeps_arguments: bool = True
     with_sourced_ros: bool = False  # also where the real one is there: it would ask for Gazebo
-    note: str = ""  # what is different from the real one, which is told
+    note: str = ""  # what is different from the real one, which is reported
 
 
 @dataclass(frozen=True, kw_only=True)

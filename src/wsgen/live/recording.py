@@ -115,7 +115,7 @@ def recording_topics(  # noqa: PLR0913  a request
         environment: All variables of nodes.
         use_sim_time: Messages get the time of /clock, not that of this machine.
         live_folder: Of the simulator that is asked for its time until there is a /clock.
-        recorded: Is told when the file is complete, or was not written for want of messages.
+        recorded: Is called when the file is complete, or was not written for want of messages.
 
     Raises:
         NotReadableError: The process cannot be started.

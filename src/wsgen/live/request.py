@@ -10,7 +10,7 @@ from wsgen.model.plan import LaunchRequest  # noqa: TC001
 from wsgen.values import dataclass
 
 NODES_FILE = "nodes.json"  # in the live folder
-# What the parent tells the service, a byte each.
+# What the parent says to the service, a byte each.
 NODES, GO, INTERRUPT, TERMINATE = b"n", b"g", b"i", b"t"
 
 
@@ -22,7 +22,7 @@ class ServiceRequest:
     folder: Path  # of the live run
     python: Path  # the interpreter of nodes
     is_sourced: bool = False  # the programs of a ROS that the user sourced run
-    distro: str | None = None  # of the ROS that runs; nodes may be told another one
+    distro: str | None = None  # of the ROS that runs; nodes may see another one
     # Environment of the launch, and what processes have in addition: complete values.
     environment: Mapping[str, str] = field(default_factory=dict)
     variables: Mapping[str, str] = field(default_factory=dict)

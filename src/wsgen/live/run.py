@@ -65,9 +65,9 @@ def run_launch(  # noqa: PLR0913  what to run, and who hears of it
     the launch is not started. `finish` is given what remains to be done when it has ended, which
     takes a listener and gives what is to be reported. `open_ros` gives what processes run with, for
     the packages of messages that it is given. `beside`, which shows the run of the folder that it
-    is given, is open from before the launch begins until it has ended. `recorded` is told of each
-    recording that is complete, `unfinished` of a video that a signal keeps from being drawn.
-    `ended` is told of a run that has ended well, when all else is done.
+    is given, is open from before the launch begins until it has ended. `recorded` is called for
+    each complete recording, `unfinished` for a video that a signal keeps from being drawn.
+    `ended` is called for a run that has ended well, when all else is done.
 
     Raises:
         NotFoundError: The engine is not installed.
@@ -161,13 +161,13 @@ def note_start(
     """Let others know of a launch that is prepared: its nodes are not there yet."""
     launched = f"{selected.package} {selected.file.name}" if selected.package else selected.file
     starting = {"domain": environment.get(DOMAIN) or "0", "launched": str(launched)}
-    with contextlib.suppress(NotReadableError):  # what they are told is all that depends on it
+    with contextlib.suppress(NotReadableError):  # only their messages depend on it
         write_file(live_folder / STARTING_FILE, json.dumps(starting))
 
 
 def note_end(live_folder: Path, video: Path | None) -> None:
     """Let others know that a launch has ended, while its folder is there for its video."""
-    with contextlib.suppress(NotReadableError):  # what they are told is all that depends on it
+    with contextlib.suppress(NotReadableError):  # only their messages depend on it
         write_file(live_folder / ENDED_FILE, video.name if video is not None else "")
 
 
@@ -181,7 +181,7 @@ def drawing(
 ) -> Iterator[None]:
     """Draw the video of a run that is over, also where its topics could not be recorded.
 
-    `unfinished` is told of it when a signal ends wsgen before it is drawn.
+    `unfinished` is called for it when a signal ends wsgen before it is drawn.
     """
     if video is None:
         yield

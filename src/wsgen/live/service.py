@@ -1,7 +1,7 @@
 """The launch service: plays a launch file in the time that passes, and runs its processes.
 
 It is the only part of a live run that knows the launch file. It waits in one place (`_wait`): for
-output and ends of processes, for what its parent tells it, and for the next event of the launch.
+output and ends of processes, for commands of its parent, and for the next event of the launch.
 """
 
 from __future__ import annotations
@@ -155,7 +155,7 @@ class Service:
             )
 
     def _tell_distro(self) -> None:
-        """Say it where nodes are told another distribution than that of the ROS that runs."""
+        """Say it where nodes see another distribution than that of the ROS that runs."""
         told, runs = self.request.variables.get("ROS_DISTRO"), self.request.distro
         if told is not None and runs is not None and told != runs:
             self._logger.info(

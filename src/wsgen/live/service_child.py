@@ -1,4 +1,4 @@
-"""Start the process of the launch service, tell it what to do, and leave nothing behind."""
+"""Start the process of the launch service, give it its commands, and leave nothing behind."""
 
 from __future__ import annotations
 
@@ -52,11 +52,11 @@ class ServiceChild:
         self._tell(GO)
 
     def interrupt(self) -> None:
-        """Tell it that the user has pressed Ctrl-C."""
+        """Report to it that the user has pressed Ctrl-C."""
         self._tell(INTERRUPT)
 
     def terminate(self) -> None:
-        """Tell it to end."""
+        """Have it end."""
         self._tell(TERMINATE)
 
     def wait(self) -> int:

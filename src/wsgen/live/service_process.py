@@ -2,7 +2,7 @@
 
     python -I service_process.py FOLDER DESCRIPTOR SEARCH_PATH
 
-Its standard input is the parent-death pipe; the descriptor is a socket, by which its parent tells
+Its standard input is the parent-death pipe; the descriptor is a socket, by which its parent says
 it what to do. It imports what it needs, and then waits for the request in the folder. Before it
 does anything, a guard stands between it and its parent, which ends all that the launch has started
 when this process or the parent ends, however they end.

@@ -280,7 +280,7 @@ class LiveSession:
             raise self._ended()
 
     def report(self) -> str:
-        """What is known of the run: robots, processes, the last lines that tell most.
+        """What is known of the run: robots, processes, the last lines that say most.
 
         When it is closed, it is what was known before its end.
         """

@@ -42,7 +42,7 @@ class Shutdown:
         self._context = context
 
     def has_begun(self) -> bool:
-        """Whether processes are told to end, and none is started any more."""
+        """Whether processes are asked to end, and none is started any more."""
         return bool(self._context.is_shutdown)
 
     def request(self, reason: str, *, due_to_sigint: bool = False) -> None:

@@ -1,4 +1,4 @@
-"""How processes of a live launch end: the signals that they are sent, and what an end is told."""
+"""How processes of a live launch end: the signals that they get, and how an end is reported."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ class Termination:
         process.send_signal(number)
 
     def take_end(self, process: RunningProcess, code: int, causes: Causes) -> None:
-        """Tell users, the launch file and the journal how a process has ended.
+        """Report to users, the launch file and the journal how a process has ended.
 
         Args:
             process: That has ended, and is reaped.

@@ -36,7 +36,7 @@ def draw_video(
 ) -> tuple[Diagnostic, ...]:
     """Draw what the simulator has left in the folder of its run; gives why it cannot be drawn.
 
-    `recorded` is told when the file is complete. The files of the robots' meshes must be there.
+    `recorded` is called when the file is complete. The files of the robots' meshes must be there.
     """
     if not (folder / POSE_LOG_FILE).exists():
         return (no_video(NO_ROBOT, LONGER),)

@@ -166,7 +166,7 @@ def carried_by(robot: Robot, world: World | None) -> str | None:
 
 
 def simulator_of(filename: str) -> str | None:
-    """The simulator whose plugin it is, by its name; None where that does not tell."""
+    """The simulator whose plugin it is, by its name; None where that does not show it."""
     name = filename.rpartition("/")[2].removeprefix("lib")
     if name.startswith(("gz-sim", "ignition-gazebo", "gz_ros2_control", "ign_ros2_control")):
         return SIM

@@ -36,7 +36,7 @@ wind-effects
 """
 _LIBRARY = lazy_pattern(r"(?:lib)?(gz-sim|ignition-gazebo)(\d*)-(.+?)-system(?:\.so)?")
 _CLASS = lazy_pattern(r"(?:gz::sim|ignition::gazebo)(?:::v\d+)?::systems::(\w+)")
-# What another prefix or a missing `-system` still tells: it is meant to be a system of Gazebo.
+# A name with another prefix or without `-system` is still meant to be a system of Gazebo.
 _NEARLY = lazy_pattern(r"(?:lib)?((?:gz-sim|ignition-gazebo)\d*-[\w-]+)(?:\.so)?")
 _MARKERS = (
     *("gz-sim", "gz::sim", "ignition-gazebo", "ignition::gazebo"),

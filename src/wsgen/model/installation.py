@@ -75,7 +75,7 @@ def in_container(install: str) -> str:
 
 
 def apt_source(target: Target) -> str:
-    """The command that tells apt where the target's packages are."""
+    """The command that gives apt the address of the target's packages."""
     codename = target.fact("ubuntu_codename")
     if target.has_ended:
         return SNAPSHOT_SOURCE.format(

@@ -1,4 +1,4 @@
-"""The files that changed since a commit, as git tells them."""
+"""The files that changed since a commit, as git lists them."""
 
 from __future__ import annotations
 

@@ -172,7 +172,7 @@ _Times = tuple[int, int]  # ns: of what a file holds, and when that came to this
 
 
 def _build_started(share: Path) -> _Times | None:
-    """When the last build of a package began; None where nothing tells.
+    """When the last build of a package began; None where that is not known.
 
     The end of the build is too late: a file may be saved after it was copied.
     """
@@ -216,7 +216,7 @@ _Copy = tuple[Path, Path, "Callable[[Path, Path], bool]"]
 def _copies(share: Path, source: Path) -> Iterator[_Copy]:
     """Installed files, what each is a copy of, and what says whether the two are the same.
 
-    What the build files do not tell has the same path in the share folder as in the source, if it
+    What the build files do not say has the same path in the share folder as in the source, if it
     is a copy.
     """
     # Most packages are as they were built.
@@ -238,7 +238,7 @@ def _copies(share: Path, source: Path) -> Iterator[_Copy]:
 def _of_build_files(
     facts: BuildFacts, prefix: Path, programs: Path, known: Collection[Path]
 ) -> Iterator[_Copy]:
-    """The copies that the build files of a package tell; `known` are the installed files."""
+    """The copies that the build files of a package make; `known` are the installed files."""
     for one in facts.installed:
         if one.source is not None:
             yield prefix / one.destination, one.source, is_copy

@@ -84,7 +84,7 @@ class InstalledAsBuilt:
 
     def _shown(self, found: re.Match[str]) -> str:
         folder, package = found.groups()
-        # colcon gives each package a prefix of its own, unless it is told not to.
+        # colcon gives each package a prefix of its own, unless an option says otherwise.
         prefixes = (self.shown_as / package, self.shown_as)
         built = (prefix / folder for prefix in prefixes if (prefix / folder).is_dir())
         return str(next(built, folder))

@@ -363,7 +363,7 @@ def complete_meshes(
 
 
 def share_on_model_path(environment: Mapping[str, str]) -> Callable[[str], Path | None]:
-    """Look a package, model or other folder up where the environment tells Gazebo to look."""
+    """Look a package, model or other folder up where the environment has Gazebo look."""
     folders = model_folders(environment)
 
     def share_of(package: str) -> Path | None:

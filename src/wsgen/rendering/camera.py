@@ -85,7 +85,7 @@ FROM: Vector = (0.72, -0.62, 0.36)  # direction from the robot to the camera: th
 MARGIN = 0.08  # of the picture's width or height, on either side
 
 SUN_MARGIN = 0.04
-SUN_REACH = 100.0  # sizes of what it shines on: what is farther behind is not told apart
+SUN_REACH = 100.0  # sizes of what it shines on: what is farther behind is not distinguished
 
 SMALLEST = 1e-4  # m; what is smaller is a point
 AROUND_A_POINT = 0.5  # m

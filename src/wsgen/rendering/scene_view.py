@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 QUALITY = 80  # of WebP, of 100
 AROUND, RINGS = 32, 12  # of round shapes; pictures have three times as many
 LEVELS = 65535  # of a coordinate
-COLORS = 6  # levels of red, green and blue that are told apart in a texture
+COLORS = 6  # levels of red, green and blue that are distinguished in a texture
 FOR_ROBOTS = 0.75  # of the triangles, where the world has more than the rest
 NORMAL_STEPS = 50.0  # of a unit vector; corners whose normals differ by less are one
 

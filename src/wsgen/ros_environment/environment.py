@@ -230,7 +230,7 @@ def variables_of_nodes(ros: RosEnvironment, environment: Mapping[str, str]) -> d
 
 
 def profiles_of(environment: Mapping[str, str]) -> dict[str, str]:
-    """Return what a node tells Fast DDS, by the variables that say how far it looks for others.
+    """Return what a node passes to Fast DDS, by the variables that say how far it looks for others.
 
     Those of a process may differ from those of the run, where its launch file sets them. Profiles
     of the user count. Where there is no room in shared memory, nodes speak by UDP alone.

@@ -1,4 +1,4 @@
-"""`python -m wsgen.ros_nodes.bridge`: tells the simulator which topics of Gazebo ROS has.
+"""`python -m wsgen.ros_nodes.bridge`: says to the simulator which topics of Gazebo ROS has.
 
 It takes the arguments, parameters and YAML file of ros_gz_bridge's parameter_bridge, and with
 `--images` the topics of ros_gz_image's image_bridge. Messages do not come through this process: the

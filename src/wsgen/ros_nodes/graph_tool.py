@@ -137,7 +137,7 @@ def end(code: int) -> NoReturn:
 
 
 def _code_of_unwritten(error: OSError) -> int | None:
-    """The exit code where nobody reads the output, or a disk is full, which is told; else None."""
+    """The exit code where nobody reads the output, or a full disk is reported; else None."""
     if isinstance(error, BrokenPipeError):
         return CLOSED
     disk = explain_disk_error(error)

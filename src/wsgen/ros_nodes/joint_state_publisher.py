@@ -32,7 +32,7 @@ DEFAULTS: dict[str, Any] = {
     "publish_default_positions": True,
     "publish_default_velocities": False,
     "rate": 10,
-    "source_list": [""],  # the type of an empty list could not be told
+    "source_list": [""],  # the type of an empty list would not be known
     "use_mimic_tags": True,
     "use_smallest_joint_limits": True,
     "delta": 0.0,

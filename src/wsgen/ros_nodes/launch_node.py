@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 SPIN_SECONDS = 0.05  # of the clock, between two looks at what is waited for
 IDLE_SECONDS = 1.0  # the same where nothing is
-SECONDS_TO_APPEAR = 10.0  # after which a service is told to be missing
+SECONDS_TO_APPEAR = 10.0  # after which a service is reported as missing
 SECONDS_TO_ANSWER = 10.0  # a request that changes nothing
 SECONDS_WITHOUT = 2.0  # for the service of such a request to appear, once the other one is there
 QUEUE_SIZE = 10  # of transitions, as in launch_ros

@@ -200,7 +200,7 @@ class NodeServer:
         time.tzset()
 
     def _reap(self) -> None:
-        """Tell of the programs that have ended."""
+        """Report the programs that have ended."""
         with suppress(ChildProcessError):
             while (ended := os.waitpid(-1, os.WNOHANG))[0]:
                 pid, status = ended
@@ -224,8 +224,8 @@ def _entries(path: str) -> list[str]:
 class _Tracing:
     """The library of LTTng, which the wheels of ROS load, and which starts threads at once.
 
-    A forked program has none of them, unless the library is told of the fork; without them it
-    crashes at the end of the program. What tells it is made for `LD_PRELOAD`
+    A forked program has none of them, unless the library hears of the fork; without them it
+    crashes at the end of the program. What calls it is made for `LD_PRELOAD`
     (liblttng-ust-fork.so); its functions had other names before LTTng 2.13.
     """
 
@@ -249,7 +249,7 @@ class _Tracing:
         return threads == 1 or (self._prefix is not None and threads <= 1 + TRACING_THREADS)
 
     def tell(self, moment: str) -> None:
-        """Tell it of a fork: `before_fork`, `after_fork_parent` or `after_fork_child`."""
+        """Announce a fork to it: `before_fork`, `after_fork_parent` or `after_fork_child`."""
         if self._prefix is not None:
             getattr(self._library, f"{self._prefix}_{moment}")(self._signals)
 

@@ -12,9 +12,9 @@ then is written first, unless another signal comes. Without a message it is remo
 recording of that name stays.
 
 It writes READY to the descriptor when it records, and a text when it cannot: why. Who has started
-it may read that at the end of the run alone, so what happens meanwhile, as a full disk, is told on
-stderr, too. When the file is complete, it writes a JSON list: the seconds from the first message to
-the last one, how many there are, and how many were lost, by topic.
+it may read that at the end of the run alone, so what happens meanwhile, as a full disk, is reported
+on stderr, too. When the file is complete, it writes a JSON list: the seconds from the first message
+to the last one, how many there are, and how many were lost, by topic.
 """
 
 from __future__ import annotations
@@ -60,23 +60,23 @@ def _read(arguments: Sequence[str] | None) -> argparse.Namespace:
 
 
 class _Teller:
-    """Tells who has started the recorder, by a descriptor, or by stderr without one."""
+    """Reports to who has started the recorder, by a descriptor, or by stderr without one."""
 
     def __init__(self, descriptor: int | None) -> None:
         self._descriptor = descriptor
         self._is_ready = False
 
     def begin(self) -> None:
-        """Tell that it records."""
+        """Report that it records."""
         self._is_ready = True
         self._write(READY)
 
     def tell(self, text: str) -> None:
-        """Tell what it has recorded."""
+        """Report what it has recorded."""
         self._write(text.encode())
 
     def fail(self, why: str) -> None:
-        """Tell why it does not record, or not any more."""
+        """Report why it does not record, or not any more."""
         if self._descriptor is None or self._is_ready:
             told = f"[ERROR] [recorder]: topics are not recorded any more: {why}"
             with contextlib.suppress(OSError):  # it may be on that disk

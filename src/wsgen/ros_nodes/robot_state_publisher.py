@@ -37,7 +37,7 @@ LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class RobotStatePublisher(Node):
-    """Sends the frames of a robot: fixed ones once, those of moving joints as they are told."""
+    """Sends the frames of a robot: fixed ones once, those of moving joints as they come."""
 
     def __init__(self, arguments: list[str]) -> None:
         super().__init__(NAME)

@@ -1,4 +1,4 @@
-"""How programs of a live run end when launch or a terminal tells them to."""
+"""How programs of a live run end when launch or a terminal asks them to."""
 
 from __future__ import annotations
 

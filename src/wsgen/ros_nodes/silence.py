@@ -16,7 +16,7 @@ from wsgen.suggestions import ask_for_nearest, some_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-SECONDS = 1.0  # of the clock, after which somebody who waits is told for what
+SECONDS = 1.0  # of the clock, after which somebody who waits hears for what
 TOOL = "_ros2cli_"  # in the names of nodes of `wsgen topic` and its like, and of ros2cli
 OWN_TOPICS = frozenset({"/rosout", "/parameter_events"})  # that each node has
 SECONDS_TO_START = 15.0  # in which the nodes of a run may not be there yet

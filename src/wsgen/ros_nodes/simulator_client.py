@@ -1,4 +1,4 @@
-"""What programs of a launch file tell the simulator of their live run."""
+"""What programs of a launch file ask of the simulator of their live run."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ LOOK_EVERY = 0.05  # s, for the socket
 
 
 class SimulatorError(Exception):
-    """The simulator does not do what it was told; `hint` is what to do."""
+    """The simulator refuses a command; `hint` is what to do."""
 
     def __init__(self, message: str, hint: str) -> None:
         super().__init__(message)

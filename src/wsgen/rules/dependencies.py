@@ -22,7 +22,7 @@ MISSPELLED_DEPENDENCY = Rule(
     code="PKG068",
     name="misspelled-dependency",
     severity=Severity.WARNING,
-    summary="A dependency in `package.xml` is a known name with a typing mistake.",
+    summary="A dependency in `package.xml` is a misspelled name.",
     what="Compares the dependencies with the packages of the workspace, the packages that are "
     "released for ROS 2 and the keys of rosdep.",
     why="`rosdep install` stops at a name that it does not know, and does not install the package "
@@ -34,10 +34,10 @@ CIRCULAR_DEPENDENCY = Rule(
     code="PKG090",
     name="circular-dependency",
     severity=Severity.ERROR,
-    summary="Packages of the workspace need each other in a circle.",
+    summary="Packages of the workspace depend on each other in a cycle.",
     what="Follows the dependencies in `package.xml` from package to package of the workspace, "
-    "those of tests included; each circle is reported once.",
-    why="No package of a circle can be built first, so that colcon builds nothing: `Unable to "
+    "including test dependencies; each cycle is reported once.",
+    why="No package of a cycle can be built first, so that colcon builds nothing: `Unable to "
     "order packages topologically`.",
     example="<exec_depend>my_robot</exec_depend>  <!-- in package.xml of my_robot_description -->\n"
     "<depend>my_robot_description</depend>  <!-- in that of my_robot -->",
@@ -83,9 +83,9 @@ NOT_A_ROSDEP_KEY = Rule(
     code="PKG072",
     name="not-a-rosdep-key",
     severity=Severity.WARNING,
-    summary="A dependency has the name of a Python module or a library, which rosdep calls "
-    "otherwise.",
-    why="`rosdep install` knows system dependencies by its keys alone, and stops at another name. "
+    summary="A dependency has the name of a Python module or a library, which has another name "
+    "in rosdep.",
+    why="`rosdep install` knows system dependencies only by its keys, and stops at another name. "
     "Keys that begin with `python-` are of Python 2, which no system of ROS 2 has.",
     example="<exec_depend>numpy</exec_depend>",
     instead="<exec_depend>python3-numpy</exec_depend>",
@@ -117,7 +117,7 @@ DUPLICATE_DEPENDENCY = Rule(
     summary="A dependency is declared twice.",
     what="Compares elements of one name and without a condition. catkin_pkg refuses a `<depend>` "
     "beside a `<build_depend>` or an `<exec_depend>` of the same package: invalid-manifest.",
-    why="One of them has no effect, and is easily forgotten when the other one is changed.",
+    why="One of them has no effect, and is easily overlooked when the other one is changed.",
     example="<exec_depend>xacro</exec_depend>\n<exec_depend>rviz2</exec_depend>\n"
     "<exec_depend>xacro</exec_depend>",
     instead="<exec_depend>xacro</exec_depend>\n<exec_depend>rviz2</exec_depend>",
@@ -206,7 +206,7 @@ FOR_GAZEBO_SIM = {
 PACKAGES_OF_CLASSIC = frozenset(
     ("gazebo_dev", "gazebo_ros", "gazebo_ros_pkgs", "gazebo_plugins", "gazebo_ros2_control")
 )
-SHORTEST = 5  # characters of a name that a typing mistake can be told in
+SHORTEST = 5  # characters of a name in which a typing mistake can be recognized
 
 
 def check_dependencies(
@@ -346,7 +346,7 @@ def _unreleased(
             manifest.file,
             one.line,
             one.name,
-            message=f"The dependency `{one.name}` is not released for ROS 2 {distro}, but for "
+            message=f"The dependency `{one.name}` is not released for ROS 2 {distro}, only for "
             f"{some_of(distros)}.",
             hint=f"Write <{one.tag}>{instead}</{one.tag}>, and use it in the launch files."
             if fits
@@ -449,9 +449,10 @@ def check_circles(manifest: Manifest, manifests: Mapping[str, Manifest]) -> Iter
             manifest.file,
             dependency.line,
             dependency.name,
-            message=f"Packages need each other: {circle}. colcon builds none of the workspace.",
-            hint="Remove one of these dependencies from package.xml, or put what the packages "
-            "share into another one.",
+            message=f"Packages depend on each other: {circle}. colcon does not build the "
+            f"workspace.",
+            hint="Remove one of these dependencies from package.xml, or move what the packages "
+            "share into another package.",
         )
         return
 

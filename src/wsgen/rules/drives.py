@@ -44,7 +44,7 @@ DRIVE_UNLIKE_WHEELS = Rule(
     "wheels, and `<wheel_separation>` with the distance between them. Reports what differs by a "
     "third; a larger separation is right for robots with more than two wheels.",
     why="The plugin computes the speeds of the wheels, and the odometry, from its own numbers: the "
-    "robot drives and turns by other amounts than it is told, and does not notice.",
+    "robot drives and turns by other amounts than its commands say, and does not notice.",
     example="<wheel_radius>0.2</wheel_radius>  <!-- of wheels with a radius of 0.1 m -->",
     instead="<wheel_radius>0.1</wheel_radius>",
 )

@@ -68,7 +68,7 @@ def known_frames(robots: Iterable[Robot], plans: Iterable[LaunchPlan]) -> frozen
                 return None
             if node.executable == "static_transform_publisher":
                 frames.update(node.arguments)
-            # What a node is told to publish exists.
+            # What a node is to publish exists.
             frames.update(
                 str(value).strip("/")
                 for name, value in node.parameters.items()

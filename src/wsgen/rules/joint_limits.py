@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 FURTHEST_TURN = 10.0
 MOST_DEGREES = 720.0  # larger bounds are how descriptions write "no limit"
 HAVE_RANGE = (JointType.REVOLUTE, JointType.PRISMATIC)
-# How far a follower may be told to go beyond its limits: rounding of what is written by hand.
+# How far a follower may be sent beyond its limits: rounding of what is written by hand.
 SLACK = 0.01  # of its range
 
 LIMITS_IN_DEGREES = Rule(

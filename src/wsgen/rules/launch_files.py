@@ -40,8 +40,8 @@ HOME_PATH = Rule(
     code="LCH081",
     name="home-path",
     severity=Severity.WARNING,
-    summary="A launch file or a parameter file has a path in somebody's home directory.",
-    why="The path exists on one machine alone, for one user.",
+    summary="A launch file or a parameter file contains a path in a home directory.",
+    why="The path exists only on one machine, for one user.",
     example="world = '/home/me/ros2_ws/src/my_robot/worlds/office.sdf'",
     instead="world = os.path.join(get_package_share_directory('my_robot'), 'worlds', 'office.sdf')",
 )
@@ -49,10 +49,10 @@ UNUSED_DECLARED_ARGUMENT = Rule(
     code="LCH084",
     name="unused-declared-argument",
     severity=Severity.INFO,
-    summary="A launch argument is declared and never read.",
-    what="Looks for names that a launch file, and those that it includes, write in "
-    "`DeclareLaunchArgument` alone.",
-    why="Whoever gives the argument a value sees no effect.",
+    summary="A launch argument is declared but not read.",
+    what="Looks for names that a launch file, and those that it includes, use only in "
+    "`DeclareLaunchArgument`.",
+    why="A value for the argument has no effect.",
     example="DeclareLaunchArgument('gui', default_value='true'),\nIncludeLaunchDescription(source)",
     instead="DeclareLaunchArgument('gui', default_value='true'),\n"
     "IncludeLaunchDescription(source, condition=IfCondition(LaunchConfiguration('gui')))",
@@ -171,7 +171,7 @@ def home_paths(file: Path) -> Iterator[Diagnostic]:
             file,
             line,
             path,
-            message=f"'{path}' is a path in somebody's home directory{more}.",
+            message=f"'{path}' is a path in a home directory{more}.",
             hint="Install the file with a package, and look it up: "
             "get_package_share_directory('PACKAGE'), in XML $(find-pkg-share PACKAGE).",
         )
@@ -217,7 +217,7 @@ def unused_declared_arguments(plan: LaunchPlan) -> Iterator[Diagnostic]:
                 file,
                 node.lineno,
                 name,
-                message=f"Nothing reads the launch argument `{name}`.",
+                message=f"No launch file reads the launch argument `{name}`.",
                 hint=f"Read it with LaunchConfiguration('{name}'), or remove its declaration.",
             )
 

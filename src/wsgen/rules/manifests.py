@@ -25,7 +25,7 @@ UNFINISHED_MANIFEST = Rule(
     severity=Severity.INFO,
     summary="`package.xml` still has the placeholders that `ros2 pkg create` writes.",
     what="Looks for TODO in the license, the description and the address of the maintainer.",
-    why="Without a license nobody else may use the package. Nothing fails.",
+    why="Without a license, other people may not use the package. Nothing fails.",
     example="<license>TODO: License declaration</license>",
     instead="<license>Apache-2.0</license>",
 )
@@ -33,11 +33,11 @@ DIFFERENT_FOLDER_NAME = Rule(
     code="PKG077",
     name="different-folder-name",
     severity=Severity.INFO,
-    summary="The folder of a package has another name than the package.",
+    summary="The folder of a package does not have the name of the package.",
     what="Compares the name in `package.xml` with that of the folder, unless one contains the "
     "other or the folder is a repository.",
-    why="`colcon`, `ros2 launch` and `$(find ...)` use the name in `package.xml`; that of the "
-    "folder misleads the reader. Nothing fails.",
+    why="`colcon`, `ros2 launch` and `$(find ...)` use the name in `package.xml`; the name of "
+    "the folder misleads the reader. Nothing fails.",
     example="src/arm_simulation/package.xml: <name>my_robot</name>",
     instead="src/my_robot/package.xml: <name>my_robot</name>",
 )
@@ -47,8 +47,8 @@ MISSING_BUILDTOOL = Rule(
     severity=Severity.WARNING,
     summary="`package.xml` of an ament_cmake package does not declare `ament_cmake`.",
     what="Accepts every package whose name begins with `ament_cmake`.",
-    why="`rosdep install` does not install ament_cmake, so that the build fails where no whole "
-    "ROS is installed, such as in a container of CI.",
+    why="`rosdep install` does not install ament_cmake, so that the build fails where ROS is not "
+    "installed completely, such as in a CI container.",
     example="<export>\n  <build_type>ament_cmake</build_type>\n</export>",
     instead="<buildtool_depend>ament_cmake</buildtool_depend>\n<export>\n"
     "  <build_type>ament_cmake</build_type>\n</export>",
@@ -69,10 +69,10 @@ MISSING_INTERFACE_DEPENDENCY = Rule(
     code="PKG080",
     name="missing-interface-dependency",
     severity=Severity.WARNING,
-    summary="A package with messages does not declare what generates or loads them.",
+    summary="A package with messages does not declare the packages that generate and load them.",
     what="Looks for `rosidl_default_generators` to build with, and `rosidl_default_runtime` to run "
     "with.",
-    why="`rosdep install` does not install them. Where a whole ROS is installed, nothing fails.",
+    why="`rosdep install` does not install them. Where ROS is installed completely, nothing fails.",
     example="<member_of_group>rosidl_interface_packages</member_of_group>",
     instead="<buildtool_depend>rosidl_default_generators</buildtool_depend>\n"
     "<exec_depend>rosidl_default_runtime</exec_depend>\n"
@@ -82,7 +82,7 @@ ROS1_PACKAGE = Rule(
     code="PKG081",
     name="ros1-package",
     severity=Severity.WARNING,
-    summary="The package is one of ROS 1: it is built with catkin.",
+    summary="The package is for ROS 1: it is built with catkin.",
     why="ROS 2 does not find the package, and cannot run its nodes and launch files.",
     example="<buildtool_depend>catkin</buildtool_depend>",
     instead="<buildtool_depend>ament_cmake</buildtool_depend>\n<export>\n"
@@ -93,7 +93,7 @@ OLD_FORMAT = Rule(
     name="old-manifest-format",
     severity=Severity.INFO,
     summary="`package.xml` of a ROS 2 package has format 1.",
-    why="Format 1 has neither `<depend>` nor `<exec_depend>`, conditions or groups. Nothing fails.",
+    why="Format 1 does not have `<depend>`, `<exec_depend>`, conditions and groups. Nothing fails.",
     example="<package>\n  <run_depend>xacro</run_depend>\n</package>",
     instead='<package format="3">\n  <exec_depend>xacro</exec_depend>\n</package>',
 )
@@ -102,7 +102,7 @@ DEPENDENCY_IN_EXPORT = Rule(
     code="PKG109",
     name="dependency-in-export",
     severity=Severity.WARNING,
-    summary="A dependency stands inside `<export>`, where nobody reads it.",
+    summary="A dependency is inside `<export>`, where `rosdep` and `colcon` do not read it.",
     why="`rosdep` does not install the package, and `colcon` does not build it first.",
     example="<export>\n  <build_type>ament_cmake</build_type>\n"
     "  <exec_depend>xacro</exec_depend>\n</export>",
@@ -134,7 +134,7 @@ class Interfaces(NamedTuple):
 def generated_interfaces(name: str, facts: BuildFacts) -> Interfaces | None:
     """The call that surely generates messages; None where there is none.
 
-    It is told by what is installed: rosidl_generate_interfaces() installs the files of messages.
+    It is seen from what is installed: rosidl_generate_interfaces() installs the files of messages.
     """
     if not any(one.name in GENERATORS for one in facts.required_packages):
         return None
@@ -166,8 +166,8 @@ def check_manifest(
                 manifest.file,
                 entry.line,
                 entry.text,
-                message=f"<{tag}>{entry.text}</{tag}> stands inside <export>, where it declares "
-                "no dependency.",
+                message=f"<{tag}>{entry.text}</{tag}> is inside <export>, where it does not "
+                "declare a dependency.",
                 hint="Move it out of <export>, above it.",
             )
     if is_other_name(folder, manifest.name):
@@ -175,7 +175,7 @@ def check_manifest(
             manifest.file,
             manifest.line_of("name"),
             manifest.name,
-            message=f"The package is called {manifest.name}, its folder {folder.name}.",
+            message=f"The package is named {manifest.name}, but its folder is named {folder.name}.",
             hint=f"Rename the folder to {manifest.name}.",
         )
     if manifest.format == 1:

@@ -388,7 +388,7 @@ def glued_arguments(plan: LaunchPlan) -> Iterator[Diagnostic]:
 def starts_paused(
     plan: LaunchPlan, kinds: Collection[str], world: Element | None = None
 ) -> Iterator[Diagnostic]:
-    """Report a simulator that waits for its button; its window may be told not to."""
+    """Report a simulator that waits for its button; an option of its window may say not to."""
     if len(kinds) != 1 or (
         world is not None and next(world.iter("start_paused"), None) is not None
     ):

@@ -24,8 +24,8 @@ ALLOWED_WITHOUT_REASON = Rule(
     summary="A rule is allowed without a reason.",
     what="Looks at `[check.allow]` of `wsgen.toml` and at comments `wsgen: allow RULE: REASON`. "
     "What is allowed without a reason is reported all the same.",
-    why="The next person who reads the file cannot tell what is on purpose from what somebody "
-    "wanted to be silent.",
+    why="The next person who reads the file cannot distinguish what is on purpose from what was "
+    "only silenced.",
     example="<!-- wsgen: allow no-visual -->",
     instead="<!-- wsgen: allow no-visual: the gripper is drawn by its driver -->",
 )
@@ -36,8 +36,8 @@ UNUSED_ALLOWANCE = Rule(
     summary="A rule is allowed where nothing breaks it.",
     what="Looks at `[check.allow]` of `wsgen.toml` and at comments `wsgen: allow RULE: REASON`. "
     "Rules about simulations and builds are left out: `wsgen check` does neither.",
-    why="It would hide the next mistake of this kind, and tells a reader of a mistake that the "
-    "package does not have.",
+    why="It would hide the next mistake of this kind, and its reason describes a mistake that "
+    "the package does not have.",
     example='[check.allow]\nno-visual = "the base is drawn by its driver"  # it has a <visual>',
     instead="[check.allow]",
 )

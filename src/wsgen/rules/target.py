@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 class Target:
     """The distributions that a package may be for."""
 
-    distros: tuple[str, ...]  # oldest first; all that are known, if nothing tells
-    source: str  # what tells it: "--distro", "wsgen.toml", "ROS_DISTRO", "package.xml" or ""
+    distros: tuple[str, ...]  # oldest first; all that are known, if nothing says it
+    source: str  # what says it: "--distro", "wsgen.toml", "ROS_DISTRO", "package.xml" or ""
 
     @property
     def distro(self) -> str | None:
@@ -35,7 +35,7 @@ def target_of(
     sourced: str | None = None,
     workspace: Collection[str] = (),
 ) -> Target:
-    """What tells the distribution: in this order, and what the dependencies leave otherwise.
+    """What says the distribution: in this order, and what the dependencies leave otherwise.
 
     Args:
         manifest: of the package; None where it has none.

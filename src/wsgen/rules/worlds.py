@@ -174,7 +174,7 @@ def check_world(  # noqa: PLR0913  facts
 
 
 def simulator_of(world: Element) -> str | None:
-    """The simulator that a world is written for, where its plugins tell."""
+    """The simulator that a world is written for, where its plugins show it."""
     plugins = [(one.get("filename") or "", one.get("name") or "") for one in world.iter("plugin")]
     is_gz = any(is_of_gz(*one) for one in plugins)
     is_classic = any(is_of_classic(filename) for filename, _ in plugins)

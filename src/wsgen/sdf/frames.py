@@ -31,7 +31,7 @@ DUPLICATE_SDF_NAME = Rule(
     summary="Two elements of one world, model or link have the same name.",
     what="Links, joints, frames and nested models share one namespace; the visuals of a link have "
     "one, and so have its collisions.",
-    why="Gazebo Sim refuses the file, and joints and plugins cannot tell the two apart.",
+    why="Gazebo Sim refuses the file, and joints and plugins cannot distinguish the two.",
     example='<link name="wheel"/>\n<link name="wheel"/>',
     instead='<link name="left_wheel"/>\n<link name="right_wheel"/>',
 )

@@ -359,7 +359,7 @@ class BulletEngine:
     def lowest_point(self, entity: str) -> float:
         """The z of the lowest point that can touch something, m; that of the root without any.
 
-        Over or in the ground it is exact; elsewhere the robot's boxes along the world's axes tell.
+        Over or in the ground it is exact; elsewhere the robot's boxes along the axes decide.
         """
         boxes = [box for body, _ in self._bodies[entity] for box in body.boxes()]
         if not boxes:

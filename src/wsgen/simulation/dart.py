@@ -254,7 +254,7 @@ class DartBody:
         joint.setForceUpperLimit(0, math.inf)
 
     def command(self) -> None:
-        """Tell the motors their speeds and efforts for the next step; DART forgets commands."""
+        """Give the motors their speeds and efforts for the next step; DART forgets commands."""
         for name, speed in self._speeds.items():
             self.joints[name].setCommand(0, speed)
         for name, effort in self._efforts.items():

@@ -44,7 +44,7 @@ class LiveScene:
     rate: float | None = 1.0  # simulated seconds a second; None: as many as possible
     logs_poses: bool = False  # a pose log is left in the folder, see `wsgen.simulation.pose_log`
     is_stepped: bool = False  # time passes only while somebody has it pass, by the socket
-    seconds: float | None = None  # simulated, until the simulator ends; None: when it is told
+    seconds: float | None = None  # simulated, until the simulator ends; None: on command
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -65,7 +65,7 @@ THINNEST = 1e-4  # m; a flat mesh gets as thick, for hulls need a volume
 
 GROUND_DEPTH = 10.0  # m; what is below falls, as below the box that Gazebo makes of a plane
 GROUND_BIT = 1 << 30
-MOST_BITS = 30  # that tell robots from each other; all further ones share the last
+MOST_BITS = 30  # that distinguish robots; all further ones share the last
 ROBOT_BITS = (1 << MOST_BITS) - 1
 
 

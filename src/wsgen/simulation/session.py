@@ -1,11 +1,11 @@
-"""A scene that lives in a child process and does what it is told, one command at a time.
+"""A scene that lives in a child process and executes one command at a time.
 
     with Session(scene) as session:
         session.step(2.0)
         session.states["my_robot"].pose_in_world
 
 The same commands give the same states, bit by bit, in one engine. What the engine does to the child
-is told by `SessionDiedError`, and never ends or blocks this process.
+is reported by `SessionDiedError`, and never ends or blocks this process.
 """
 
 from __future__ import annotations

@@ -317,7 +317,7 @@ def spawn_robots(
 
 
 def brake(engine: Engine, robot: SpawnedRobot) -> None:
-    """Have the plugin that drives a robot keep its wheels still, as Gazebo's do unless told else.
+    """Have the plugin that drives a robot keep its wheels still, as Gazebo's do without a command.
 
     All other joints stay as they are.
     """

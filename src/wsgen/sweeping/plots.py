@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
     from wsgen.sweeping.chart import Axis, Cells, Chart, Group, Panel
 
-# Okabe and Ito's colors, which color-blind people tell apart, and a symbol each: of what passed, of
-# four rules, and of all others.
+# Okabe and Ito's colors, which color-blind people distinguish, and a symbol each: of what passed,
+# of four rules, and of all others.
 COLORS = ("#0072b2", "#d55e00", "#e69f00", "#a94f86", "#00795a", "#555d66")
 SYMBOLS = ("o", "X", "^", "s", "D", "P")
 TEXT, MUTED, LINE, SHADE = "#1b2027", "#56606c", "#d5dbe3", "#e2eefc"

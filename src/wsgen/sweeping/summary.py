@@ -92,7 +92,7 @@ class Summary:
 def summarize(data: TableData) -> Summary:
     """Summarize a table.
 
-    A parameter with one value tells nothing, and is left out of what the borders depend on.
+    A parameter with one value shows nothing, and is left out of what the borders depend on.
     """
     varying = [one for one in data.parameters if _varies(one)]
     codes = tuple(_codes(data))

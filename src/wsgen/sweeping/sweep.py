@@ -339,7 +339,7 @@ def _rows(  # noqa: PLR0913, PLR0917  what is run, and where
     return run_all(executor, blueprint_of, todo, seconds=seconds, engine=engine, count=count)
 
 
-def _run(  # noqa: PLR0913  what is run, where, and who is told
+def _run(  # noqa: PLR0913  what is run, where, and who hears of it
     request: SweepRequest,
     subject: Subject,
     variants: Variants,

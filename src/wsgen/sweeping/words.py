@@ -369,7 +369,7 @@ def _range(text: str, shown: str, name: str) -> tuple[Value, ...]:
     values = tuple(float(one) for one in exact)
     if len(set(values)) < count:
         raise RequestError(
-            f"{shown}: the values are too near to each other to be told apart.",
+            f"{shown}: the values are too near to each other to be distinguished.",
             hint="Give a smaller COUNT.",
         )
     return values

@@ -1,4 +1,4 @@
-"""A robot in the simulation of a test: what it is, where it is, and what it can be told."""
+"""A robot in the simulation of a test: what it is, where it is, and the commands that it takes."""
 
 from __future__ import annotations
 
@@ -269,8 +269,8 @@ class Robot:
         Args:
             linear: m/s, ahead.
             angular: rad/s, to the left.
-            seconds: How much simulated time passes; the robot is then told to stop. None: no time
-                passes, and it is driven until it is told something else.
+            seconds: How much simulated time passes; then the robot is stopped. None: no time
+                passes, and it is driven until it gets another command.
 
         Returns:
             How far the robot came in this time.
@@ -309,7 +309,7 @@ class Robot:
         """Have joints go to positions (rad or m) and hold them, within their limits.
 
         As in a behavior, all other joints with limits hold what is nearest to 0. It goes on until
-        the robot is told something else.
+        the robot gets another command.
 
         Args:
             positions: By joint.

@@ -190,7 +190,7 @@ class View:
     ) -> None:
         """Read and show the robots again at each change of a file, until it is over.
 
-        `on_change` is told the paths that have changed, and what was read then. What cannot be read
+        `on_change` gets the paths that have changed, and what was read then. What cannot be read
         leaves on the page what is there, and what is reported about it.
         """
         while not is_over():

@@ -110,7 +110,7 @@ class _Reader:
         if not isinstance(run, bool):
             meant = "without quotes " if isinstance(run, str) else ""
             self.report(
-                "The `run` of a behavior is neither true nor false.",
+                "The `run` of a behavior must be true or false.",
                 f"Write run = true {meant}to run the launch file, or remove the key.",
                 *where,
                 "run",
@@ -131,7 +131,7 @@ class _Reader:
                 "A behavior has both `drive` and `joints`."
                 if kinds
                 else "A behavior has neither `drive` nor `joints`.",
-                "Give it one of them: `drive` for a mobile robot, `joints` for a target position; "
+                "Add one of them: `drive` for a mobile robot, `joints` for a target position; "
                 "or run = true, to have the nodes of the launch file move the robot.",
                 *where,
             )

@@ -21,8 +21,8 @@ UNKNOWN_BUILD_TYPE = Rule(
     severity=Severity.ERROR,
     summary="`colcon` does not know the build type of a package.",
     what="`wsgen build` asks colcon; `wsgen check` looks for a typing mistake in `ament_cmake`, "
-    "`ament_python`, `cmake` or `catkin`, as extensions of colcon may bring more.",
-    why="`colcon` does not build the package, and does not name it in its message.",
+    "`ament_python`, `cmake` or `catkin`, as extensions of colcon may add others.",
+    why="`colcon` skips the package, and its message does not name it.",
     example="<build_type>ament_cmke</build_type>",
     instead="<build_type>ament_cmake</build_type>",
 )

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic
 from wsgen.errors import NotFoundError, RequestError
-from wsgen.files import list_files, read_regular, real_path
+from wsgen.files import list_files, read_regular, read_regular_text, real_path
 from wsgen.values import dataclass, lazy_pattern
 from wsgen.workspace.manifest import FOREIGN_MANIFEST, read_manifest
 
@@ -36,7 +36,7 @@ def refuse_missing_manifest(roots: Iterable[Path]) -> None:
         folder = next(_without_manifest(root / "src"), None)
         if folder is not None:
             raise NotFoundError(
-                f"{folder} has no package.xml, so {root} has no package.",
+                f"{folder} has no package.xml, so that {root} does not contain a package.",
                 hint="Restore it (git checkout package.xml), write one, or create another package: "
                 f"wsgen new PACKAGE -w {root}",
             )
@@ -458,7 +458,7 @@ def _is_marked(folder: Path) -> bool:
     if _exists(folder / "install" / INSTALL_LAYOUT) or _exists(folder / "log" / LOG_OF_BUILD):
         return True
     try:
-        return (folder / "build" / BUILT_BY).read_text(encoding="utf-8").strip() == "colcon"
+        return read_regular_text(folder / "build" / BUILT_BY).strip() == "colcon"
     except (OSError, ValueError):
         return False
 
@@ -533,7 +533,7 @@ def spawned_entities(workspace: Workspace) -> frozenset[str]:
 def _read(file: Path) -> str:
     """Read the text; empty if the file cannot be read."""
     try:
-        return file.read_text(encoding="utf-8", errors="replace")
+        return read_regular_text(file, errors="replace")
     except OSError:
         return ""
 

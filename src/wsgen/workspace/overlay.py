@@ -35,8 +35,8 @@ SOURCE_USED = Rule(
     code="PKG065",
     name="source-used",
     severity=Severity.INFO,
-    summary="A package is not built, or built and not registered; its source folder is used as its "
-    "share folder.",
+    summary="A package is not built, or not registered; its source folder is used as its share "
+    "folder.",
     what="Looks for packages of the workspace, or of the repository, that no install space has in "
     "its ament index and that the launch files and robots look up.",
     why="The robot is simulated as if each package installed every file under its own name. "

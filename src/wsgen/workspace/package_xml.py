@@ -40,7 +40,7 @@ HINTS = (
     (r'version "(.*)" does not follow', "Write three numbers: <version>1.0.0</version>"),
     (
         r'name "(.*)" does not follow',
-        "Write lower-case letters, digits and _, a letter first; and the same name in project().",
+        "Write lower-case letters, digits and _, a letter first, and the same name in project().",
     ),
     (r'nvalid email "(.*)" for', 'Write an address: email="you@example.com"'),
     (r"must have an (email) address", 'Write an address: email="you@example.com"'),
@@ -90,8 +90,8 @@ REFUSED_MANIFEST = Rule(
     severity=Severity.ERROR,
     summary="`catkin_pkg` refuses package.xml.",
     what="Reads package.xml with catkin_pkg, as colcon and ament_cmake do.",
-    why="`colcon` then takes the package for one of plain CMake or Python, in another environment "
-    "and with other arguments, or skips it; it warns in its log alone.",
+    why="`colcon` then takes the package for one of plain CMake or Python, in another "
+    "environment and with other arguments, or skips it; the only warning is in its log.",
     example="""<package format="3">
   <name>my_robot</name>
   <version>1</version>""",

@@ -47,6 +47,7 @@ ALLOW = ("validate", "allow")
 ALLOW_IN_CHECK = ("check", "allow")
 # What `wsgen new` records, and what a user may set.
 TARGET_KEYS = ("distro", "simulator")
+MOST_UNKNOWN = 20  # keys that are reported
 KNOWN_KEYS = (
     "schema",
     "wsgen",
@@ -99,7 +100,7 @@ def _read_settings(package: Path) -> tuple[Settings, tuple[Diagnostic, ...]]:
             INVALID_SETTINGS.at(
                 file,
                 int(at[1]) if at else None,
-                message=f"{FILE} is not TOML: {error}. Nothing in it counts: no behavior is "
+                message=f"{FILE} is not TOML: {error}. All of it is ignored: no behavior is "
                 "checked, and no rule is allowed.",
                 hint=_explain(file, error) or "Fix it, or remove the file.",
             ),
@@ -136,7 +137,7 @@ def _read_settings(package: Path) -> tuple[Settings, tuple[Diagnostic, ...]]:
                 file,
                 tomlfile.find_line(text, ("validate", key)),
                 message=f"[validate] has no key `{key}`.",
-                hint="Its only key is `allow`.",
+                hint="The only key is `allow`.",
                 severity=Severity.WARNING,
             )
             for key in sorted(set(document.get("validate", {})) - {"allow"})
@@ -162,13 +163,13 @@ def _read_allowances(
             file,
             tomlfile.find_line(text, ("check", key)),
             message=f"[check] has no key `{key}`.",
-            hint="Its only key is `allow`.",
+            hint="The only key is `allow`.",
             severity=Severity.WARNING,
         )
         for key in sorted(set(section if isinstance(section, dict) else ()) - {"allow"})
     ]
     if not isinstance(allow, dict):
-        how = "[check.allow] is no table of rules and reasons."
+        how = "[check.allow] is not a table of rules and reasons."
         found.append(_invalid_allowance(file, tomlfile.find_line(text, ALLOW_IN_CHECK), how))
         allow = {}
     allowances = []
@@ -238,17 +239,16 @@ def _place_of(key: str) -> str | None:
 
 def _unknown_keys(document: dict[str, Any], file: Path, text: str) -> Iterator[Diagnostic]:
     """Report keys that nothing reads: wsgen would never run a misspelled behavior."""
-    for key in document:
-        if key not in KNOWN_KEYS:
-            place = _place_of(key)
-            yield INVALID_SETTINGS.at(
-                file,
-                tomlfile.find_line(text, (key,)),
-                message=f"{FILE} has no key `{key}`.",
-                hint=f"Write it below a line `{place}`."
-                if place is not None
-                else suggest(key.lower(), KNOWN_KEYS),
-            )
+    for key in [one for one in document if one not in KNOWN_KEYS][:MOST_UNKNOWN]:
+        place = _place_of(key)
+        yield INVALID_SETTINGS.at(
+            file,
+            tomlfile.find_line(text, (key,)),
+            message=f"{FILE} has no key `{key}`.",
+            hint=f"Write it below a line `{place}`."
+            if place is not None
+            else suggest(key.lower(), KNOWN_KEYS),
+        )
 
 
 def _allow(document: dict[str, Any]) -> tuple[str, ...] | None:

@@ -82,7 +82,9 @@ def read_sweep(
     for key in table:
         if key not in KEYS:
             keys = ", ".join(f"`{one}`" for one in KEYS)
-            hint = advice(key, KEYS, f"Use its keys: {keys}. Write what varies below `over`.")
+            hint = advice(
+                key, KEYS, f"Use its keys: {keys}. Write the parameters that vary below `over`."
+            )
             reader.report(f"[sweep] has no key `{key}`.", hint, key)
     over = reader.over(table)
     random = reader.random(table, over)
@@ -136,7 +138,7 @@ class _Reader:
                 read[name] = tuple(values)
             else:
                 self.report(
-                    f"The values of `{name}` are not numbers, or not texts, alone.",
+                    f"The values of `{name}` are not all numbers or all texts.",
                     f'Write for example: "{name}" = "0:1:11" or "{name}" = [0.1, 0.2]',
                     "over",
                     name,
@@ -162,7 +164,7 @@ class _Reader:
                 )
             elif name in over:
                 self.report(
-                    f"`{name}` stands in `over` and in `random`.",
+                    f"`{name}` is in `over` and in `random`.",
                     "Remove one of the two.",
                     "random",
                     name,
@@ -191,7 +193,7 @@ class _Reader:
             return None
         if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
             self.report(
-                f"`{key}` is no integer from {least} to {most}.",
+                f"`{key}` is not an integer from {least} to {most}.",
                 f"Write for example: {key} = {100 if key == 'samples' else 1}",
                 key,
             )
@@ -206,7 +208,7 @@ class _Reader:
         is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
         if not is_number or not SHORTEST_RUN <= value <= LONGEST_RUN:
             self.report(
-                f"`seconds` is no number from {SHORTEST_RUN:g} to {LONGEST_RUN:g}.",
+                f"`seconds` is not a number from {SHORTEST_RUN:g} to {LONGEST_RUN:g}.",
                 "Write for example: seconds = 5.0",
                 "seconds",
             )
@@ -218,7 +220,7 @@ class _Reader:
         value = table.get(key)
         if value is None or isinstance(value, bool):
             return value
-        self.report(f"`{key}` is neither true nor false.", f"Write for example: {key} = false", key)
+        self.report(f"`{key}` must be true or false.", f"Write for example: {key} = false", key)
         return None
 
     def word(self, table: Mapping[str, Any], key: str, known: tuple[str, ...]) -> str | None:
@@ -228,7 +230,7 @@ class _Reader:
             return value
         words = ", ".join(f'"{one}"' for one in known)
         self.report(
-            f"`{key}` is none of {words}.",
+            f"`{key}` must be one of {words}.",
             advice(str(value), known, f'Write for example: {key} = "{known[0]}"'),
             key,
         )

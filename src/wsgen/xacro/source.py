@@ -191,7 +191,7 @@ def _steps(path: str) -> list[str]:
 def _inside(element: Written, steps: list[str], document: list[Written]) -> list[Written]:
     """The elements that a path leads to from an element; itself if there are no steps.
 
-    A name in the last step tells elements apart.
+    A name in the last step distinguishes elements.
     """
     depth = len(element.path)
     tags = [step.partition("[")[0] for step in steps]

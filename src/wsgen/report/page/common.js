@@ -39,7 +39,7 @@ function color(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 }
 
-// Okabe and Ito's colors, which color-blind people tell apart; lighter ones on a dark page.
+// Okabe and Ito's colors, which color-blind people distinguish; lighter ones on a dark page.
 function palette() {
   return dark.matches
     ? ["#6cb8ee", "#f2b134", "#4fd1a5", "#f08a5d", "#dd9fc7", "#f0e26b", "#9fb4ff", "#c7ccd3"]

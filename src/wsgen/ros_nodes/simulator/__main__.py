@@ -46,7 +46,7 @@ AWAITED = 30.0  # s, of the wall clock, that the time of robots to come is not f
 LOOK_EVERY = 2.0  # s, of the wall clock, between two looks at the types of topics
 DOMAINS = 102  # whose ports Linux gives to nobody else
 IDLE = 0.02  # s, that a paused simulator waits for what arrives
-NEXT_STEP = 0.002  # s, that one waits for who tells it to go on, before it looks at messages
+NEXT_STEP = 0.002  # s, that one waits for a command to go on, before it looks at messages
 TRACEBACK = "WSGEN_TRACEBACK"  # a variable; set, bugs have tracebacks
 ENGINES = {
     "bullet": "wsgen.simulation.bullet:BulletEngine",
@@ -137,7 +137,7 @@ def make_engine(name: str, world: World) -> Engine:
 def load_engine(name: str) -> Any:
     """The class of an engine, by the name of its option."""
     module, _, attribute = ENGINES[name].partition(":")
-    with _quiet():  # PyBullet tells when it was built
+    with _quiet():  # PyBullet prints when it was built
         return getattr(importlib.import_module(module), attribute)
 
 

@@ -61,7 +61,7 @@ class _Connection:
 
 
 class CommandServer:
-    """Listens, and answers when it is told to."""
+    """Listens, and answers when it is asked to."""
 
     def __init__(self, folder: Path, simulation: LiveSimulation) -> None:
         """Listen from now on."""
@@ -355,7 +355,7 @@ class CommandServer:
             "seconds": simulation.now,
             "is_paused": simulation.control.is_paused,
             "robots": numbers,
-            # What is not as the scene of the run has it: `robot` tells.
+            # What is not as the scene of the run has it: `robot` says it.
             "others": [
                 entity for entity, robot in robots.items() if id(robot.spawned) not in prepared
             ],

@@ -310,7 +310,7 @@ class RobotHandle:
 
     @property
     def is_driven(self) -> bool:
-        """Whether a joint is told to move: by a motor that turns, or by an effort."""
+        """Whether a joint has a command to move: by a motor that turns, or by an effort."""
         return any(motor.speed for motor in self._motors.values()) or any(self._efforts.values())
 
     def release(self, joints: Iterable[str]) -> None:
@@ -336,7 +336,7 @@ class RobotHandle:
         return motor if speed == motor.speed else motor._replace(speed=speed)
 
     def _within(self, joint: str, command: float, most: float, told: str) -> float:
-        """A command for a joint; 0 for what is too much for an engine, which is told, or NaN."""
+        """A command for a joint; 0 for NaN, and for too much for an engine, which is reported."""
         if abs(command) <= most:
             return command
         if not math.isnan(command):

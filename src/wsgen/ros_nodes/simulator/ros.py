@@ -267,7 +267,7 @@ class Ros:
 
 
 def _do_nothing() -> None:
-    """What a task does that tells when those before it have run."""
+    """What a task does that reports when those before it have run."""
 
 
 def _full_name(namespace: str, name: str) -> str:
@@ -299,7 +299,7 @@ def parameters_of(values: Mapping[str, Any]) -> list[Any]:
         plain = value
         if isinstance(value, list):
             if not value:
-                continue  # ROS cannot tell of what it is a list
+                continue  # ROS cannot know of what it is a list
             numbers = [isinstance(one, (int, float)) and type(one) is not bool for one in value]
             if all(numbers) and any(isinstance(one, float) for one in value):
                 plain = [float(one) for one in value]

@@ -164,7 +164,7 @@ class GzServices:
         return response
 
     def _create(self, request: Any, response: Any) -> Any:
-        """Spawn by text or file; what it cannot do is told as Gazebo tells it, in the log."""
+        """Spawn by text or file; what it cannot do is reported as by Gazebo, in the log."""
         wanted, host = request.entity_factory, self._simulation.host
         pose = pose_of(wanted.pose)
         response.success = False

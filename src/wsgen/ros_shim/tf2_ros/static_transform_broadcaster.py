@@ -16,7 +16,7 @@ class StaticTransformBroadcaster:
     """Publishes all that it was given on /tf_static, for those who come later as well.
 
     Of a child frame the first transform stays: ROS's broadcaster for Python does not replace it,
-    in contrast to the one for C++. A node that expects it is told.
+    in contrast to the one for C++. A node that expects it gets a message.
     """
 
     def __init__(self, node: Any, qos: Any = None) -> None:

@@ -15,7 +15,7 @@ from launch.frontend.actions import build, build_all
 from launch.frontend.expose import load_extensions
 from launch.frontend.template import parse_if_substitutions, parse_substitution, unescape
 from launch.launch_description import LaunchDescription
-from wsgen.files import refuse_irregular
+from wsgen.files import read_regular
 from wsgen.launch.record import RECORD, locate
 from wsgen.xmlsyntax import DEEPEST, MOST_ATTRIBUTES, find_mistake, read_with
 
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from wsgen.launch.record import Location
 
 
+SIZE_LIMIT = 2**23  # bytes; what people write by hand is far smaller
 LOOK_AT_XML = "Look at this line and the one before it: tags, quotes, `&` and `<`."
 LOOK_AT_YAML = "Look at this line and the one before it: indentation, colons, quotes, brackets."
 
@@ -48,10 +49,11 @@ class NotMarkupError(ValueError):
 def get_launch_description_from_frontend_launch_file(launch_file_path: str) -> LaunchDescription:
     """The actions of its elements."""
     path = os.fspath(launch_file_path)
-    refuse_irregular(path)
-    text = Path(path).read_bytes()
+    text = read_regular(Path(path), SIZE_LIMIT)
     RECORD.launch_files.append(path)
     try:
+        if len(text) > SIZE_LIMIT:
+            raise NotMarkupError(f"larger than {SIZE_LIMIT >> 20} MB")
         root = _read(text, path)
     except ValueError as refusal:
         found = refusal if isinstance(refusal, NotMarkupError) else NotMarkupError(str(refusal))

@@ -4,8 +4,8 @@ Source: gazebosim/gz-sim, src/systems/battery_plugin/LinearBatteryPlugin.cc. Its
 gz.msgs.BatteryState on `/model/MODEL/battery/NAME/state`, at most 50 times a second. It begins to
 drain when a joint is driven, or at once with <start_draining>, and then drains for ever: so do the
 versions that know <start_draining>. That of Fortress drains only in steps in which a joint is
-driven. Without <fix_issue_225> it loses its charge a hundred times too fast and tells it as a share
-of 1, as Gazebo's does.
+driven. Without <fix_issue_225> it loses its charge a hundred times too fast and publishes it as a
+share of 1, as Gazebo's does.
 
 Not here: <power_draining_topic> and <stop_power_draining_topic>, and loads of other systems.
 """
@@ -145,7 +145,7 @@ class LinearBattery(Plugin):
         self._battery.is_charging = is_charging
 
     def update(self) -> None:
-        """Let the time since the last update pass, and tell the state."""
+        """Let the time since the last update pass, and publish the state."""
         battery, step = self._battery, self._host.step_seconds
         battery.is_draining = battery.is_draining or self._robot.is_driven
         for _ in range(round((self._host.now - self._last) / step)):

@@ -1,4 +1,4 @@
-"""Robots that move as they are told, whatever drives them: Classic's planar move, Sim's velocities.
+"""Robots that move by command, whatever drives them: Classic's planar move, Sim's velocities.
 
 Sources: ros-simulation/gazebo_ros_pkgs, gazebo_plugins/src/gazebo_ros_planar_move.cpp (branch
 ros2); gazebosim/gz-sim, src/systems/velocity_control/VelocityControl.cc.

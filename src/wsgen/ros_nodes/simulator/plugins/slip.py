@@ -1,4 +1,4 @@
-"""Tells whose wheels turn without taking the robot along.
+"""Reports robots whose wheels turn without taking them along.
 
 Commands, odometry of the wheels and joint states look as they should then, and no node can see why
 the robot stays where it is.
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from wsgen.ros_nodes.simulator.host import Host, RobotHandle
 
 WINDOW = 2.0  # s, simulated
-LEAST_WAY = 0.2  # m in a window, that the wheels have turned; less is too little to tell
+LEAST_WAY = 0.2  # m in a window, that the wheels have turned; less is too little to judge
 LEAST_TURN = 1.0  # rad, likewise
 SLIPPING = 0.5  # of the way by the wheels
 TURNING = 0.2  # of the turn by the wheels; those of skid steering slip by more than half
@@ -45,7 +45,7 @@ class SlipWatch:
     def __init__(
         self, host: Host, robot: RobotHandle, wheels: Wheels, driven: Collection[str]
     ) -> None:
-        """Watch two wheels of a robot, of all `driven` joints; `host` is told when they slip."""
+        """Watch two wheels of a robot, of all `driven` joints; `host` reports their slip."""
         self._host, self._robot, self._wheels = host, robot, wheels
         self._driven = driven
         self._is_over = False

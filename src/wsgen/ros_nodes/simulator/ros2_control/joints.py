@@ -109,7 +109,7 @@ class JointSystem:
             else (-math.inf, math.inf)
             for name, joint in self._model.items()
         }
-        self._now: dict[str, tuple[str, Motor | None]] = {}  # what each joint has been told
+        self._now: dict[str, tuple[str, Motor | None]] = {}  # the last of each joint
         self._pids = {
             (name, kind): Pid(gains)
             for name, joint in self._joints.items()

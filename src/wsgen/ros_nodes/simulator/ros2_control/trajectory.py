@@ -144,7 +144,7 @@ class Trajectory:
         self._deduce()
 
     def _deduce(self) -> None:
-        """Give each point positions: where there are none, its derivatives tell them."""
+        """Give each point positions: where there are none, its derivatives give them."""
         before, start = self._before, self.start
         if before is None or start is None or self._deduced_from_first:
             return
@@ -447,7 +447,7 @@ class Follower:
         self._timeout = timeout  # s after the end; 0: none
         self.trajectory: Trajectory | None = None
         self.is_holding = True
-        self.has_goal = False  # somebody waits to be told of the end
+        self.has_goal = False  # somebody waits for its end
         self._is_first = True
         self._last: Step | None = None
         self._time = 0.0  # s, of the trajectory's own clock

@@ -124,7 +124,7 @@ class Odometry:
         self.linear = self.angular = 0.0
 
     def by_commands(self, linear: float, angular: float, seconds: float) -> None:
-        """The robot is believed to do what it was told, m/s and rad/s."""
+        """The robot is believed to follow its command, m/s and rad/s."""
         self.linear, self.angular = linear, angular
         self._integrate(linear * seconds, angular * seconds)
 

@@ -39,7 +39,7 @@ class AirPressure(Sensor):
             self._publisher = host.publisher(robot, FluidPressure, self.topic("/air_pressure"))
 
     def update(self) -> None:
-        """Tell the pressure, if somebody wants it."""
+        """Publish the pressure, if somebody wants it."""
         if self._publisher is None or not self._publisher.is_wanted:
             return
         message = FluidPressure()

@@ -41,7 +41,7 @@ class Altimeter(Sensor):
         self._publisher = host.publisher(robot, Message, self.topic("/altimeter"))
 
     def update(self) -> None:
-        """Tell how high it is, if somebody wants it."""
+        """Publish how high it is, if somebody wants it."""
         if self._publisher is None or not self._publisher.is_wanted:
             return
         height, climb = self.pose().xyz[2] - self._reference, self.velocity()[0][2]

@@ -9,7 +9,7 @@ depth camera the depth (32FC1) there, and `…/points`; an RGB-D camera `…/ima
 `…/points` and `…/camera_info` (gazebosim/gz-sensors, src/CameraSensor.cc, src/DepthCameraSensor.cc,
 src/RgbdCameraSensor.cc).
 
-Distortion is told in camera_info and not drawn.
+Distortion is published in camera_info and not drawn.
 """
 
 from __future__ import annotations

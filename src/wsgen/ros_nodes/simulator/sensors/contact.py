@@ -75,7 +75,7 @@ class ContactSensor(Sensor):
             self.period = NEVER
 
     def update(self) -> None:
-        """Tell what touches, if somebody wants it."""
+        """Publish what touches, if somebody wants it."""
         wanted = [output for output in self.outputs if output[0].is_wanted]
         if not wanted:
             return

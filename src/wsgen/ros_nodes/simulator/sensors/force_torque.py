@@ -106,7 +106,7 @@ class ForceTorque(JointLoad):
         return own if written == default.replace("::", "/") else written
 
     def update(self) -> None:
-        """Tell what the joint carries, if somebody wants it."""
+        """Publish what the joint carries, if somebody wants it."""
         if self._publisher is None or not self._publisher.is_wanted:
             return
         message = WrenchStamped()

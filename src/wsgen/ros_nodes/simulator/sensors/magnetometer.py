@@ -43,7 +43,7 @@ class Magnetometer(Sensor):
             self._publisher = host.publisher(robot, MagneticField, self.topic("/magnetometer"))
 
     def update(self) -> None:
-        """Tell the field, if somebody wants it."""
+        """Publish the field, if somebody wants it."""
         if self._publisher is None or not self._publisher.is_wanted:
             return
         message = MagneticField()

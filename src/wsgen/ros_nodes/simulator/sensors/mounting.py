@@ -37,7 +37,7 @@ SHARE = 0.5  # of the time, that all sensors together take
 CHEAP = 0.05  # of the time: what takes no more keeps its rate
 MEMORY = 10  # measurements, of whose times the mean is known
 TELL_AFTER = 5  # measurements
-ENOUGH = 1.2  # times the period of the description: what is not longer is not told
+ENOUGH = 1.2  # times the period of the description: what is not longer is not reported
 FASTEST_PERIOD = 0.01  # s, of a sensor that gives no rate: Gazebo's measures in every step
 FRAME_NAMES = ("frame_id", "gz_frame_id", "ignition_frame_id")
 # ROS 1's plugins for sensors, and what ROS 2 has instead.

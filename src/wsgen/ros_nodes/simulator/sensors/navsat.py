@@ -64,7 +64,7 @@ class NavSat(Sensor):
             self.period = NEVER
 
     def update(self) -> None:
-        """Tell where it is, if somebody wants it."""
+        """Publish where it is, if somebody wants it."""
         for fix, velocity, frame in self.outputs:
             if fix.is_wanted:
                 fix.publish(self._fix(frame))

@@ -54,7 +54,7 @@ class CameraSpec:
     encoding: str = "rgb8"
     near: float  # m, what a depth camera measures
     far: float  # m
-    distortion: tuple[float, ...] = (0.0,) * 5  # k1, k2, p1, p2, k3: told, not drawn
+    distortion: tuple[float, ...] = (0.0,) * 5  # k1, k2, p1, p2, k3: published, not drawn
     noise: float = 0.0  # standard deviation, of brightness (0 to 1) or depth (m)
     noise_mean: float = 0.0
 

@@ -109,7 +109,7 @@ class PositionGripperController(Controller):
         self.interfaces.commands[self.commands[0]] = self._command(error, speed, elapsed)
 
     def _command(self, error: float, speed: float, elapsed: float) -> float:  # noqa: ARG002  see below
-        """What the joint is told."""
+        """The command of the joint."""
         return self._target
 
     def _end(self, end: End, *, stalled: bool, reached: bool) -> None:

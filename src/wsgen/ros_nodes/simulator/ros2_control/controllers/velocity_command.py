@@ -35,7 +35,7 @@ class VelocityCommand:
             controller: Its topics, its clock, and whether it takes commands.
             timeout: s, for which a command counts; inf: for ever.
             unstamped: The topic of commands without stamps; None: they have stamps.
-            refuses_old: Whether a command that is older when it comes is told and ignored.
+            refuses_old: Whether a command that is older when it comes is reported and ignored.
             not_finite: What is said of a command whose speeds are no numbers.
         """
         self._controller = controller
