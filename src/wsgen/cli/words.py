@@ -76,11 +76,10 @@ def launch_file_of(
         )
     file = Path(given[0])
     if not file.is_file():
-        package = next(iter(packages_with(workspace_if_any(None), given[0])), "PACKAGE")
+        owner = next(iter(packages_with(workspace_if_any(None), given[0])), "PACKAGE")
         raise NotFoundError(
             f"The launch file {file} does not exist.",
-            hint="Check its path, or name the package: "
-            f"{package} --launch {shlex.quote(file.name)}",
+            hint=f"Check its path, or name the package: {owner} --launch {shlex.quote(file.name)}",
         )
     package = package_of(file)
     if package is None:
