@@ -160,11 +160,24 @@ def test_what_an_included_launch_file_is_given_is_not_missing(tmp_path: Path) ->
     assert [(one.name, one.severity.value) for one in outcome.diagnostics] == [
         ("argument-without-value", "info")
     ]
-    (package / "launch" / "outer.launch.xml").write_text(
+    outer = package / "launch" / "outer.launch.xml"
+    outer.write_text(
         '<launch><include file="$(find-pkg-share cart)/launch/inner.launch.py">'
         '<arg name="x" value="1"/></include></launch>'
     )
     assert run(package).diagnostics == ()
+    (package / "launch" / "inner.launch.py").write_text(
+        "from launch import LaunchDescription\n"
+        "from launch.actions import OpaqueFunction\n"
+        "from launch.substitutions import LaunchConfiguration\n"
+        "def start(context):\n"
+        "    return [] if LaunchConfiguration('x', default='').perform(context) else [{}['x']]\n"
+        "def generate_launch_description():\n"
+        "    return LaunchDescription([OpaqueFunction(function=start)])\n"
+    )
+    assert run(package).diagnostics == ()
+    outer.unlink()
+    assert only(package, "launch-raises") == [("launch-raises", "error")]
 
 
 @pytest.mark.parametrize(("argument", "severity"), [("speed", "info"), ("slow", "warning")])

@@ -117,6 +117,20 @@ GIVEN_FROM_OUTSIDE = frozenset(
 )
 
 
+def _is_of_arguments(found: Diagnostic, one: Candidate, beside: Iterable[Candidate]) -> bool:
+    """Whether what the launch file raises, it does not raise where others include it."""
+    if found.code not in {RAISES.code, REFUSED_BY_LAUNCH.code}:
+        return False
+    file, place = real_path(one.file), (found.code, found.file, found.line)
+    return any(
+        file in other.included
+        and other.started.plan.is_complete
+        and place not in {(code, file, line) for code, _, file, line in other.errors}
+        for other in beside
+        if other is not one
+    )
+
+
 def _is_given_from_outside(found: Diagnostic) -> bool:
     return found.code in GIVEN_FROM_OUTSIDE and found.severity is Severity.ERROR
 
@@ -152,6 +166,7 @@ def of_launch(
             or _lacks_module(found, package)
             or (is_open and _is_for_nothing(found))
             or (lacks_package and found.code == RAISES.code)  # without what that package has
+            or _is_of_arguments(found, one, beside)
         ):
             if not is_inner:
                 yield replace(found, severity=Severity.INFO)
@@ -258,7 +273,7 @@ def _has_module(package: Path, name: str) -> bool:
     return False
 
 
-FOR_NOTHING = lazy_pattern(r"'' is not a valid package name|Command: \S+ *\n")
+FOR_NOTHING = lazy_pattern(r"'' is not a valid package name|Command: \S+\s+Captured\b")
 
 
 def _is_for_nothing(found: Diagnostic) -> bool:
