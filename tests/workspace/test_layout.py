@@ -16,6 +16,7 @@ from wsgen.workspace.layout import (
     open_workspace,
     take_inventory,
     with_surroundings,
+    workspace_around,
 )
 
 
@@ -52,6 +53,18 @@ def test_found_from_beside_its_source_folder_once_it_is_built(
     (root / inside.partition("/")[0] / "COLCON_IGNORE").touch()
     (root / "docs").mkdir(exist_ok=True)
     assert find_workspace(root / ("docs" if inside == "docs" else inside)) == Workspace(root=root)
+
+
+def test_files_beside_its_source_folder_belong_to_the_workspace_of_the_current_folder(
+    root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (root / "worlds").mkdir()
+    for here, found in ((root, root), (root / "src" / "demo", root), (root / "worlds", None)):
+        monkeypatch.chdir(here)
+        workspace = workspace_around(root / "worlds")
+        assert (workspace and workspace.root) == found
+    monkeypatch.chdir(root)
+    assert workspace_around(root.parent) is None
 
 
 def test_a_source_folder_above_captures_nobody(

@@ -237,8 +237,15 @@ def find_workspace(start: Path) -> Workspace | None:
 
 
 def workspace_around(folder: Path) -> Workspace | None:
-    """Find the workspace that a folder is in, or else the clone whose packages belong to it."""
-    return find_workspace(folder) or find_source_tree(folder)
+    """Find the workspace or the clone whose packages belong to a folder; to look them up only.
+
+    A folder beside `src` belongs to the workspace where that is the one of the current folder.
+    """
+    found = find_workspace(folder) or find_source_tree(folder)
+    if found is None:
+        here = find_workspace(current_folder())
+        found = here if here is not None and folder.absolute().is_relative_to(here.root) else None
+    return found
 
 
 def with_surroundings(workspace: Workspace) -> tuple[Workspace, ...]:
