@@ -510,10 +510,7 @@ def test_a_signal_while_the_simulator_begins_ends_it_once(
     ros: Any = types.ModuleType("ros")
     ros.Ros = lambda _: joined
     monkeypatch.setitem(sys.modules, "wsgen.ros_nodes.simulator.ros", ros)
-    name = "wsgen.ros_nodes.simulator.__main__"
-    monkeypatch.delitem(sys.modules, name, raising=False)
-    program = importlib.import_module(name)
-    monkeypatch.delitem(sys.modules, name)
+    program = _program(monkeypatch)
     monkeypatch.setattr(program, "make_engine", lambda *_: rover_engine())
     monkeypatch.setattr(program, "CommandServer", interrupt)
     (tmp_path / SCENE_FILE).write_text(encode(live_scene()))
@@ -531,6 +528,38 @@ def test_a_signal_while_the_simulator_begins_ends_it_once(
     joined.has_heard = True
     program.note_unheard(tmp_path, joined)
     assert not unheard.exists()
+
+
+def _program(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """The module of the simulator's process, with what it imports from ROS replaced."""
+    name = "wsgen.ros_nodes.simulator.__main__"
+    monkeypatch.delitem(sys.modules, name, raising=False)
+    program = importlib.import_module(name)
+    monkeypatch.delitem(sys.modules, name)
+    return program
+
+
+@pytest.mark.parametrize("is_recorded", [False, True])
+def test_time_is_slow_until_the_recorder_has_found_the_topics(
+    monkeypatch: pytest.MonkeyPatch, *, is_recorded: bool
+) -> None:
+    module: Any = types.ModuleType("ros")
+    module.Ros = None
+    monkeypatch.setitem(sys.modules, "wsgen.ros_nodes.simulator.ros", module)
+    program = _program(monkeypatch)
+    monkeypatch.setattr(program, "LOOK_AT_TOPICS", 0.0)
+    simulation, _ = simulation_of(replace(live_scene(), is_recorded=is_recorded))
+    simulation.spawn("rover")
+    unheard = [True]
+    ros = types.SimpleNamespace(has_unheard_topics=lambda: unheard[0])
+    pace = program.Pace(None)
+    arrival = program.Arrival(simulation, pace, ros)
+    assert pace.rate == 1.0
+    arrival.look()
+    assert pace.rate == (1.0 if is_recorded else None)
+    unheard[0] = False
+    arrival.look()
+    assert pace.rate is None
 
 
 def test_seconds_that_are_none(tmp_path: Path) -> None:

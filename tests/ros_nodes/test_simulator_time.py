@@ -75,3 +75,25 @@ def test_a_simulator_that_hangs_holds_nobody(
         assert [time.nanoseconds() for _ in answers] == [0, 0, 2_000_000_000]
         thread.join()
         time.close()
+
+
+def test_what_the_time_was_when_a_message_was_sent() -> None:
+    times = simulator_time.SimulatedTimes()
+    assert times.at(5) == 0
+    times.note(100, 7)  # the simulator was asked
+    times.note(900, 8)
+    for sent in (200, 300):  # messages of /clock that have waited since
+        times.note(sent, 10 * sent)
+    assert [times.at(sent) for sent in (50, 150, 200, 299, 300, 5000)] == [
+        *(7, 7, 2000, 2000, 3000, 3000)
+    ]
+    assert times.reach(300)
+    assert not times.reach(301)
+
+
+def test_old_times_are_forgotten(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(simulator_time, "MOST_TIMES", 4)
+    times = simulator_time.SimulatedTimes()
+    for sent in range(1, 8):
+        times.note(sent, sent)
+    assert (times.at(1), times.at(7)) == (5, 7)

@@ -346,6 +346,7 @@ def _live_scene(
         rate=request.rate,
         seconds=request.seconds,
         logs_poses=request.recordings.video is not None,
+        is_recorded=request.recordings.mcap is not None,
         is_stepped=request.is_stepped,
     )
 

@@ -6,8 +6,7 @@ import importlib
 import signal
 import struct
 import time
-from bisect import bisect_right
-from collections import Counter
+from collections import Counter, deque
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, NamedTuple
 
@@ -19,7 +18,7 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from ament_index_python.packages import get_package_share_directory
 from wsgen.ros_nodes.message_definitions import definition_of
 from wsgen.ros_nodes.signals import ENDING, ignore_ends
-from wsgen.ros_nodes.simulator_time import SimulatorTime
+from wsgen.ros_nodes.simulator_time import SimulatedTimes, SimulatorTime
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -34,35 +33,11 @@ DEPTH = 1000  # messages that wait for the recorder, at most; a full queue loses
 LIBRARY = "wsgen"
 CLOCK = ("/clock", "rosgraph_msgs/msg/Clock")
 SECONDS_AT_ONCE = 0.05  # wall-clock, in which messages of one topic are written
-SECONDS_TO_COME = 0.2  # wall-clock, for messages that are on their way when the recording ends
+SECONDS_TO_COME = 0.5  # wall-clock, for messages that are on their way when the recording ends
+SECONDS_TO_KNOW = 5.0  # wall-clock, for one of /clock: Fast DDS sends again after 3 s what was lost
 SECONDS_OF_SILENCE = 1.0  # wall-clock, in which what waits is written before that is said
 SECONDS_TO_SAY_AGAIN = 5.0  # wall-clock
-MOST_TIMES = 200_000  # of /clock that are kept: 1000 s
 TIME, HEADER = struct.Struct("<iI"), 4  # of serialized messages, behind the order of their bytes
-
-
-class _SimulatedTimes:
-    """What the simulated time was when a message was sent; the wall-clock says when that was."""
-
-    def __init__(self) -> None:
-        self._sent: list[int] = []  # ns since 1970, rising
-        self._times: list[int] = []  # ns
-
-    def note(self, sent: int, simulated: int) -> None:
-        """Note the simulated time from then on."""
-        self._sent.append(max(sent, self._sent[-1]) if self._sent else sent)
-        self._times.append(simulated)
-        if len(self._sent) > MOST_TIMES:
-            del self._sent[: MOST_TIMES // 2], self._times[: MOST_TIMES // 2]
-
-    def reach(self, sent: int) -> bool:
-        """Whether a later time than that is noted, or that one."""
-        return bool(self._sent) and self._sent[-1] >= sent
-
-    def at(self, sent: int) -> int:
-        """The simulated time at that of the wall-clock; 0 where none is known."""
-        before = bisect_right(self._sent, sent)
-        return self._times[max(0, before - 1)] if self._times else 0
 
 
 class _Recording(NamedTuple):
@@ -73,6 +48,15 @@ class _Recording(NamedTuple):
     profile: QoSProfile
     subscription: Any
     is_clock: bool
+
+
+class _Held(NamedTuple):
+    """A message whose simulated time is not known yet."""
+
+    until: float  # s of the monotonic clock
+    channel: int
+    message: bytes
+    sent: int  # ns since 1970
 
 
 class Recorder(Node):
@@ -100,7 +84,8 @@ class Recorder(Node):
         self._lost: Counter[str] = Counter()  # by topic
         self._first: int | None = None  # ns, the time of the first message, and of the last one
         self._last = 0
-        self._times = _SimulatedTimes() if use_sim_time else None
+        self._times = SimulatedTimes() if use_sim_time else None
+        self._held: deque[_Held] = deque()
 
     def recorded(self) -> tuple[float, int, dict[str, int]]:
         """The time from the first message to the last one in seconds, how many there are; lost.
@@ -119,6 +104,7 @@ class Recorder(Node):
                 self._look()
                 next_look = time.monotonic() + LOOK_SECONDS
             written = [self._write_waiting(one) for one in self._known()]
+            self._write_held()
             if not any(written):
                 time.sleep(POLL_SECONDS)
 
@@ -145,6 +131,7 @@ class Recorder(Node):
                     f"what was sent in the last {(end - behind) * 1e-9:.1f} s is still to be "
                     "written; Ctrl-C leaves it out"
                 )
+        self._write_held(is_over=True)
 
     def _known(self) -> list[_Recording]:
         return [one for one in self._recordings.values() if one is not None]
@@ -223,6 +210,30 @@ class Recorder(Node):
         )
 
     def _write(self, channel: int, message: bytes, sent: int) -> None:
+        """Write a message, or hold it until a later message of /clock has come."""
+        if self._held or self._awaits_clock(sent):
+            until = time.monotonic() + SECONDS_TO_KNOW
+            self._held.append(_Held(until, channel, message, sent))
+        else:
+            self._add(channel, message, sent)
+
+    def _write_held(self, *, is_over: bool = False) -> None:
+        """Write messages whose time is known by now, or will not be known."""
+        while self._held:
+            one = self._held[0]
+            if not is_over and time.monotonic() < one.until and self._awaits_clock(one.sent):
+                break
+            self._held.popleft()
+            self._add(one.channel, one.message, one.sent)
+
+    def _awaits_clock(self, sent: int) -> bool:
+        clock = self._recordings.get(CLOCK[0])
+        if self._times is None or clock is None or not clock.is_clock or self._times.reach(sent):
+            return False
+        self._write_waiting(clock)
+        return not self._times.reach(sent)
+
+    def _add(self, channel: int, message: bytes, sent: int) -> None:
         now = self._time(sent)
         self._first = now if self._first is None else min(now, self._first)
         self._last = max(now, self._last)
@@ -233,9 +244,6 @@ class Recorder(Node):
         """The time of a message that was sent then."""
         if self._times is None:
             return sent
-        clock = self._recordings.get(CLOCK[0])
-        if clock is not None and clock.is_clock and not self._times.reach(sent):
-            self._write_waiting(clock)
         if self._simulator is not None:
             self._times.note(time.time_ns(), self._simulator.nanoseconds())
         return self._times.at(sent)

@@ -42,6 +42,7 @@ class LiveScene:
     descriptions: Mapping[str, str] = field(default_factory=dict)  # by entity: its URDF, if it has
     is_paused: bool = False  # at the beginning
     rate: float | None = 1.0  # simulated seconds a second; None: as many as possible
+    is_recorded: bool = False  # a recorder subscribes to all topics, as soon as it has found them
     logs_poses: bool = False  # a pose log is left in the folder, see `wsgen.simulation.pose_log`
     is_stepped: bool = False  # time passes only while somebody has it pass, by the socket
     seconds: float | None = None  # simulated, until the simulator ends; None: on command

@@ -45,6 +45,7 @@ SLICE = 0.01  # s, simulated, between two looks at what has arrived
 AWAITED = 30.0  # s, of the wall clock, that the time of robots to come is not faster than that
 LOOK_EVERY = 2.0  # s, of the wall clock, between two looks at the types of topics
 DOMAINS = 102  # whose ports Linux gives to nobody else
+LOOK_AT_TOPICS = 0.1  # s, likewise, while a recorder is yet to find them
 IDLE = 0.02  # s, that a paused simulator waits for what arrives
 NEXT_STEP = 0.002  # s, that one waits for a command to go on, before it looks at messages
 TRACEBACK = "WSGEN_TRACEBACK"  # a variable; set, bugs have tracebacks
@@ -161,12 +162,13 @@ def _quiet() -> Iterator[None]:
 class Arrival:
     """Keeps time as slow as real time until the robots of the launch file are there.
 
-    Otherwise the seconds of `--for` could be over before their spawners have begun. Who steps the
-    simulation waits for them.
+    Otherwise the seconds of `--for` could be over before their spawners have begun, or before the
+    recorder has found their topics. Who steps the simulation waits for them.
     """
 
-    def __init__(self, simulation: LiveSimulation, pace: Pace) -> None:
-        self._simulation, self._pace = simulation, pace
+    def __init__(self, simulation: LiveSimulation, pace: Pace, ros: Ros) -> None:
+        self._simulation, self._pace, self._ros = simulation, pace, ros
+        self._next = 0.0  # wall-clock, of the next look at topics
         self._wanted = pace.rate
         self._end = time.monotonic() + AWAITED
         self._is_over = simulation.scene.is_stepped
@@ -175,8 +177,15 @@ class Arrival:
 
     def look(self) -> None:
         """Take the wanted rate when they are there, or have not come for long."""
-        if self._is_over or (self._simulation.awaited and time.monotonic() < self._end):
+        now = time.monotonic()
+        if self._is_over or (self._simulation.awaited and now < self._end):
             return
+        if self._simulation.scene.is_recorded and now < self._end:
+            if now < self._next:
+                return
+            self._next = now + LOOK_AT_TOPICS
+            if self._ros.has_unheard_topics():
+                return
         self._is_over, self._pace.rate = True, self._wanted
         self._pace.begin(self._simulation.now)
 
@@ -215,7 +224,7 @@ def run(simulation: LiveSimulation, server: CommandServer, ros: Ros) -> None:
     """Let time pass, as fast as the scene says."""
     rate = simulation.scene.rate
     pace = Pace(rate)
-    arrival = Arrival(simulation, pace)
+    arrival = Arrival(simulation, pace, ros)
     control = simulation.control
     offer_services(simulation)
     # What asks has its answer as soon in slow motion.

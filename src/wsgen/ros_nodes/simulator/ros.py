@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
 CLOCK = "/clock"
+OF_NODES = ("/rosout", "/parameter_events")  # which each node publishes
 EXECUTOR_EVERY = 0.02  # s of wall-clock time, between two calls of the executor while busy
 MOST_AT_ONCE = 100  # messages of one topic that one look takes
 
@@ -240,6 +241,15 @@ class Ros:
                 senders = node.get_publishers_info_by_topic(topic)
                 readers = node.get_subscriptions_info_by_topic(topic)
                 yield from mixed_types(topic, map(_endpoint, senders), map(_endpoint, readers))
+
+    def has_unheard_topics(self) -> bool:
+        """Whether nobody subscribes yet to a topic that this process publishes."""
+        return any(
+            publisher.get_subscription_count() == 0
+            for node in self._nodes
+            for publisher in node.publishers
+            if not publisher.topic_name.startswith(OF_NODES)
+        )
 
     def has_other_clock(self) -> bool:
         """Whether another process publishes /clock beside this one."""
