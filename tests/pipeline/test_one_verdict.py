@@ -45,6 +45,7 @@ SLIPS = {  # name of the package -> file, what is right there, what is wrong, th
         "ROB110",
     ),
     "build_file": ("CMakeLists.txt", "DESTINATION", "DESTNATION", "BLD071"),
+    "not_installed": ("CMakeLists.txt", "urdf", "", "BLD054"),
     "manifest": ("package.xml", "<version>", "<version>v", "PKG005"),
 }
 

@@ -5,6 +5,7 @@ Nothing is evaluated, expanded or read again. What is a warning of `wsgen check`
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.build_files.facts import read_build_facts
@@ -20,11 +21,13 @@ from wsgen.pipeline.check_launched import (
     may_publish_joint_states,
 )
 from wsgen.pipeline.check_sources import check_sources
+from wsgen.rules.install_consequences import OF_FOLDERS
 from wsgen.rules.joint_states import NO_JOINT_STATES
 from wsgen.rules.target import target_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.world import World
@@ -45,7 +48,7 @@ def errors_of_check(
     if validation.selected.problem is not None:
         return []  # the problem is in these files
     packages = {one.name: one for one in validation.overlay.written}
-    found = [*_of_packages(validation, packages)]
+    found = [*_of_packages(validation, packages, _used_files(validation, world))]
     if validation.started is not None:
         package = packages.get(validation.package)
         distro = _distro_of(package, validation, packages)
@@ -101,8 +104,18 @@ def _of_launched(
     )
 
 
+def _used_files(validation: Validation, world: World | None) -> list[Path]:
+    """The launch files, robots and the world that a launch file uses."""
+    started = validation.started
+    if started is None:
+        return []
+    robots = (spawn.description_file for spawn in started.spawns)
+    files = (*started.plan.evaluated_files, *robots, world.file if world else None)
+    return [file for file in files if file is not None]
+
+
 def _of_packages(
-    validation: Validation, packages: Mapping[str, PackageFolder]
+    validation: Validation, packages: Mapping[str, PackageFolder], used: Sequence[Path]
 ) -> Iterator[Diagnostic]:
     plan = validation.started.plan if validation.started else None
     names = [validation.package] if validation.selected.is_first else []
@@ -117,11 +130,26 @@ def _of_packages(
         yield from check_sources(
             package,
             build=build,
-            problems=problems,
+            problems=_with_needed_folders(problems, package.path, used),
             plans=[plan] if plan is not None and name == validation.package else [],
             packages=packages,
             distro=_distro_of(package, validation, packages),
         )
+
+
+def _with_needed_folders(
+    problems: Iterable[Diagnostic], source: Path, used: Sequence[Path]
+) -> Iterator[Diagnostic]:
+    """What is wrong in build files: a folder that is not installed is an error where it is used.
+
+    It is used from the source where the package is not built.
+    """
+    for one in problems:
+        folder = source / one.element if one.code in OF_FOLDERS and one.element else None
+        if folder is not None and any(file.is_relative_to(folder) for file in used):
+            yield replace(one, severity=Severity.ERROR)
+        else:
+            yield one
 
 
 def _distro_of(

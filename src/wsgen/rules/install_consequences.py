@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
 
 
-_OF_FOLDERS = frozenset(
+OF_FOLDERS = frozenset(
     rule.code
     for rule in (CONTENTS_INSTALLED, FOLDER_NOT_INSTALLED, REPEATED_FOLDER, WRONG_DESTINATION)
 )
@@ -54,7 +54,7 @@ def fold_not_installed(
         folders: Of these packages, by name.
     """
     found = tuple(diagnostics)
-    causes = [one for one in found if one.code in _OF_FOLDERS | _OF_PROGRAMS]
+    causes = [one for one in found if one.code in OF_FOLDERS | _OF_PROGRAMS]
     if not causes:
         return found
     followed: dict[Diagnostic, list[Diagnostic]] = {}
@@ -77,7 +77,7 @@ def _causes_of(
         package = _PACKAGE.search(found.message)
         names = [(package[1], found.element or "", _OF_PROGRAMS)] if package else []
     else:
-        names = [(one[1], one[2], _OF_FOLDERS) for one in _PLACE.finditer(found.message)]
+        names = [(one[1], one[2], OF_FOLDERS) for one in _PLACE.finditer(found.message)]
     for package_name, name, codes in names:
         folder = folders.get(package_name)
         for cause in causes:
