@@ -116,6 +116,7 @@ def test_sizes_that_may_be_right(text: str) -> None:
         ("wheel_radius: 0.1, wheel_separation: 0.25", ["Write wheel_separation: 0.5"]),
         ("wheel_separation: 0.25, wheel_separation_multiplier: 2.0", []),
         ("wheel_separation: $(var track)", []),
+        ("wheel_radius: 0.001", ["Write sizes of the robot in meters: 0.001 for 0.1."]),
     ],
 )
 def test_parameters_of_a_controller(parameters: str, hints: list[str]) -> None:

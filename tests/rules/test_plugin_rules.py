@@ -92,6 +92,14 @@ def test_sound_plugins_are_silent(sound: Plugin) -> None:
         (plugin("libgazebo_ros_difdrive.so"), 'filename="libgazebo_ros_diff_drive.so"'),
         (plugin(name="gz::sim::systems::DiffDriv"), 'name="gz::sim::systems::DiffDrive"'),
         (plugin(name="diff_drive"), 'name="gz::sim::systems::DiffDrive"'),
+        (
+            plugin("gz_ros2_contol-system", {"parameters": ("/a",)}, "x"),
+            'filename="gz_ros2_control-system"',
+        ),
+        (
+            plugin("gz_ros2_control-system", {"parameters": ("/a",)}, "gz_ros2_control::Plugin"),
+            'name="gz_ros2_control::GazeboSimROS2ControlPlugin"',
+        ),
     ],
 )
 def test_misspelled_plugins(wrong: Plugin, hint: str) -> None:

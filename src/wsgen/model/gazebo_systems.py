@@ -147,11 +147,36 @@ def is_of_classic(filename: str) -> bool:
     return filename.startswith(("libgazebo_ros_", "libgazebo_ros2_control"))
 
 
+# Libraries of ros2_control for Gazebo Sim, and their classes; each has that of the other, too.
+CONTROL = {
+    "gz_ros2_control-system": "gz_ros2_control::GazeboSimROS2ControlPlugin",
+    "ign_ros2_control-system": "ign_ros2_control::IgnitionROS2ControlPlugin",
+}
+
+
+def control_library(filename: str) -> str | None:
+    """The library of ros2_control for Gazebo Sim that a file name means, also a misspelled one."""
+    name = filename.removeprefix("lib").removesuffix(".so")
+    return name if name in CONTROL else nearest(name, CONTROL, cutoff=SURELY)
+
+
+def _remark_on_control(filename: str, name: str, library: str) -> Remark | None:
+    if filename.removeprefix("lib").removesuffix(".so") != library:
+        return Remark(f"Gazebo has no system `{filename}`.", library, is_filename=True)
+    if not name or name in CONTROL.values():
+        return None
+    message = f"The library `{filename}` has no class `{name}`."
+    return Remark(message, CONTROL[library], is_filename=False)
+
+
 def remark_on(filename: str, name: str) -> Remark | None:
     """What is wrong with the names of a plugin that is meant to be a system of Gazebo Sim.
 
     None where nothing is, or where it may be a library of somebody's own.
     """
+    control = control_library(filename)
+    if control is not None:
+        return _remark_on_control(filename, name, control)
     known = systems()
     found = _LIBRARY.fullmatch(filename)
     if found is None:

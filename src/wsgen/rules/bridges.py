@@ -141,6 +141,7 @@ _GZ_PREFIXES = ("gz.msgs.", "ignition.msgs.")
 _PROGRAMS = frozenset(("parameter_bridge", "bridge_node", "ros_gz_bridge::RosGzBridge"))
 _MISTYPED = lazy_pattern(r"(?:gz|ign|ignition)(?:\.|::|/)(?:msgs?)(?:\.|::|/)(\w+)")
 ALIKE = 0.65  # as below, where a topic of the same model has no other name that is near
+OF_KEYS = 0.7  # as below, of keys, of which there are few
 SURELY = 0.8  # so alike two names are, as difflib counts, that one is the other misspelled
 
 
@@ -459,7 +460,7 @@ def _read_entries(file: Path, content: yamlfile.Value) -> Iterator[Bridge | Diag
         values = dict(entry.items())
         texts = {key: value.text or "" for key, value in values.items()}
         for key, value in values.items():
-            meant = nearest(key, _KEYS, cutoff=SURELY) if key not in _KEYS else None
+            meant = nearest(key, _KEYS, cutoff=OF_KEYS) if key not in _KEYS else None
             if meant is not None and meant not in values:
                 yield INVALID_BRIDGE_ENTRY.at(
                     file,

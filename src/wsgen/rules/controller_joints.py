@@ -327,7 +327,7 @@ def _lacks(robot: Controlled, joint: str, kind: str, interface: str) -> bool:
     known = {one.name for one in robot.joints}
     others = {part.name for part in parts} - known
     own = [part for part in parts if part.name == joint]
-    if not robot.controls or (not own and nearest(joint, others, cutoff=MISSPELLED)):
+    if not robot.controls or (not own and nearest(joint, others)):
         return False
     there = [one for part in own for one in (part.commands if kind == "command" else part.states)]
     return interface not in there and not nearest(interface, there, cutoff=MISSPELLED)

@@ -209,7 +209,9 @@ def check_drive_controller(
                 f"{name}.{key}",
                 message=f"The controller `{name}` computes with a {key} of {value.content:.4g} m "
                 f"for the wheel `{left.name}`, and {what} {size:.4g} m.",
-                hint=f"Write {key}: {size:.4g}",
+                hint=f"Write sizes of the robot in meters: {value.content:.4g} for {size:.4g}."
+                if size > OTHER_UNITS * value.content > 0
+                else f"Write {key}: {size:.4g}",
             )
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
+from wsgen.model.gazebo_systems import control_library
 from wsgen.model.robot import JointType
 from wsgen.suggestions import did_you_mean, nearest
 from wsgen.values import NamedTuple
@@ -66,7 +67,10 @@ class ControlFacts(NamedTuple):
 def control_plugins(tags: Iterable[GazeboTag]) -> tuple[Plugin, ...]:
     """Gazebo's plugins for ros2_control."""
     return tuple(
-        plugin for tag in tags for plugin in tag.plugins if "ros2_control" in plugin.filename
+        plugin
+        for tag in tags
+        for plugin in tag.plugins
+        if "ros2_control" in plugin.filename or control_library(plugin.filename)
     )
 
 
