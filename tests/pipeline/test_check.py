@@ -210,6 +210,21 @@ def test_what_a_command_may_give_is_not_surely_missing(
     assert found.severity.value == severity
 
 
+def test_a_world_that_is_missing_is_an_error(tmp_path: Path) -> None:
+    text = (
+        "from launch import LaunchDescription\n"
+        "from launch.actions import ExecuteProcess\n"
+        "def generate_launch_description():\n"
+        "    return LaunchDescription([\n"
+        "        ExecuteProcess(cmd=['gz', 'sim', '/no/such/w.sdf'])])\n"
+    )
+    package = write_package(tmp_path / "ws")
+    for file in (tmp_path / "w.launch.py", package / "launch" / "w.launch.py"):
+        file.write_text(text)
+        missing = [one for one in run(file).diagnostics if one.name == "missing-world"]
+        assert [(one.file, one.line) for one in missing] == [(file, 5)]
+
+
 def test_files_without_a_package(tmp_path: Path) -> None:
     file = tmp_path / "robots" / "cart.urdf"
     file.parent.mkdir()

@@ -49,7 +49,7 @@ def where_written(text: str, files: Iterable[str | Path]) -> tuple[str, int] | N
         for node in nodes_of(file)
         if isinstance(node, ast.Constant)
         and isinstance(node.value, str)
-        and text in node.value.split("/")
+        and text in {node.value, *node.value.split("/")}
     }
     return places.pop() if len(places) == 1 else None
 

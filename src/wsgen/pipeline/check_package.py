@@ -356,14 +356,22 @@ class FileCheck:
             step.succeeded = not has_errors(found)
         return found
 
+    def _check_launch_file(self, overlay: Overlay, folder: Path) -> Iterator[Diagnostic]:
+        started = start(self.file, None, overlay, NOTHING, self.run_task)
+        yield from of_launch(Candidate(LaunchFile("", self.file), started), ())
+        yield from check_launched(started, overlay.environment)
+        if started.is_evaluated and started.may_spawn:
+            selected = SelectedPackage(
+                name=self.file.stem, source=None, share=None, launch_file=self.file, started=started
+            )
+            validation = Validation(selected, overlay, NOTHING, None, self.run_task)
+            validation.read(folder)
+            yield from (one for one in validation.diagnostics if one not in started.diagnostics)
+
     def _run(self, folder: Path) -> tuple[Diagnostic, ...]:
         overlay = self.installed.overlay
         if self.file.name.endswith(("launch.py", "launch.xml", "launch.yaml", "launch.yml")):
-            started = start(self.file, None, overlay, NOTHING, self.run_task)
-            return (
-                *of_launch(Candidate(LaunchFile("", self.file), started), ()),
-                *check_launched(started, overlay.environment),
-            )
+            return tuple(self._check_launch_file(overlay, folder))
         if self.file.suffix == ".launch":
             of_ros_1 = tuple(launch_files.ros_1_launch_files([self.file]))
             if of_ros_1:

@@ -60,7 +60,7 @@ def missing_world(plan: LaunchPlan, file: Path, overlay: Overlay) -> Diagnostic:
     # What is validated does not use the packages that are tried here: no look_up().
     place = find_in_package(str(file), overlay.share)
     return MISSING_WORLD.at(
-        *_where(plan, missing),
+        *_where(plan, str(file), missing),
         missing,
         message=f"The world file '{file}' does not exist.",
         hint=f"Look it up in the share folder of its package: {in_python(place)}."
@@ -134,7 +134,8 @@ def world_not_here(plan: LaunchPlan, name: str) -> Iterator[Diagnostic]:
         )
 
 
-def _where(plan: LaunchPlan, text: str) -> tuple[Path, int | None]:
-    """The launch file and the line that write a text, or the launch file of the plan."""
-    written, line = where_written(text, plan.evaluated_files) or (plan.launch_file, None)
+def _where(plan: LaunchPlan, *texts: str) -> tuple[Path, int | None]:
+    """The launch file and the line that write the first of the texts that one of them writes."""
+    found = (where_written(text, plan.evaluated_files) for text in texts)
+    written, line = next(filter(None, found), (plan.launch_file, None))
     return Path(written), line
