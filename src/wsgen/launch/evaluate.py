@@ -124,8 +124,10 @@ def _unset_search_paths(plan: LaunchPlan) -> dict[str, Diagnostic]:
                 f"The launch file adds to {name}, which is not set: `ros2 launch` stops here, "
                 "unless the variable is set elsewhere. wsgen takes it as empty."
             )
-            hint = f"Write AppendEnvironmentVariable('{name}', FOLDER), which works without a "
-            "value."
+            action = f"AppendEnvironmentVariable('{name}', FOLDER)"
+            if one.file is not None and one.file.suffix == ".xml":
+                action = f'<append_env name="{name}" value="FOLDER"/>'
+            hint = f"Write {action}, which works without a value."
             found[name] = replace(one, message=message, hint=hint, severity=Severity.WARNING)
     return found
 
