@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.model.plan import Include, LaunchPlan, Process, Unresolved
+from wsgen.model.plan import Include, LaunchPlan, Process
 from wsgen.model.world import Simulator, Spawn
 from wsgen.pipeline.search_path import check_search_path
 from wsgen.pipeline.started import Started
 from wsgen.source_shares import INDEX
 from wsgen.workspace.overlay import Overlay
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 EXPORT = '<gazebo_ros gazebo_model_path="{}"/>'
 OWN = EXPORT.format("${prefix}/..")
@@ -45,9 +49,9 @@ def check(
     export: str = "",
     of_other: str = "",
     sources: tuple[Path, ...] = (),
-    unresolved: tuple[Unresolved, ...] = (),
-    **environment: str,
+    environment: Mapping[str, str] | None = None,
 ) -> list[str]:
+    environment = environment or {}
     prefixes = (install(folder, "looks", export), install(folder, "starts", of_other))
     plan = LaunchPlan(
         package="starts",
@@ -55,7 +59,6 @@ def check(
         processes=(SPAWNER, *([starter] if isinstance(starter, Process) else [])),
         includes=(starter,) if isinstance(starter, Include) else (),
         environment=environment,
-        unresolved=unresolved,
     )
     simulator = Simulator(kind="gz", world=None)
     started = Started(plan, simulator, (SPAWN,), (), True, 0.0, True)
@@ -91,11 +94,11 @@ def test_variables(tmp_path: Path, starter: Include | Process) -> None:
     if not is_gz:
         right, wrong = wrong, right
     share = str(tmp_path / "0" / "install" / "looks" / "share")
-    assert check(tmp_path / "0", starter, **{right: f"/elsewhere:{share}"}) == []
-    (found,) = check(tmp_path / "1", starter, **{right: "/elsewhere"})
+    assert check(tmp_path / "0", starter, environment={right: f"/elsewhere:{share}"}) == []
+    (found,) = check(tmp_path / "1", starter, environment={right: "/elsewhere"})
     assert f"no folder of {right} has the package" in found
     share = str(tmp_path / "2" / "install" / "looks" / "share")
-    (found,) = check(tmp_path / "2", starter, **{wrong: share})
+    (found,) = check(tmp_path / "2", starter, environment={wrong: share})
     assert f"it reads {right}, and not {wrong}" in found
 
 

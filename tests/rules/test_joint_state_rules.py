@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -32,17 +32,17 @@ BOTH_NAMES = NAMES + "<joint_name>right</joint_name>"
 CONTROL = '<gazebo><plugin filename="gz_ros2_control-system"/></gazebo>'
 
 
-def publisher(**more: object) -> Process:
+def publisher(**more: Any) -> Process:
     return Process(
         package="robot_state_publisher", executable="robot_state_publisher", line=5, **more
     )
 
 
-def node(package: str, executable: str, *arguments: str, **more: object) -> Process:
+def node(package: str, executable: str, *arguments: str, **more: Any) -> Process:
     return Process(package=package, executable=executable, arguments=arguments, **more)
 
 
-def bridge(topic: str, **more: object) -> Process:
+def bridge(topic: str, **more: Any) -> Process:
     word = f"{topic}@sensor_msgs/msg/JointState[gz.msgs.Model"
     return node("ros_gz_bridge", "parameter_bridge", word, **more)
 

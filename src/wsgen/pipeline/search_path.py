@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.plan import LaunchPlan
+    from wsgen.model.plan import LaunchPlan, Process
     from wsgen.pipeline.started import Started
     from wsgen.workspace.overlay import Overlay
 
@@ -77,7 +77,8 @@ def check_search_path(
             if one == package or is_merged or share is None or Path(folder) != share.parent
         ]
         # The folder of a package that is not built may have another name.
-        if reads and share in overlay.sources.values() and str(share.parent) in exported:
+        is_built = share is None or share not in overlay.sources.values()
+        if reads and share is not None and not is_built and str(share.parent) in exported:
             return True
         places = (*folders, *(exported if reads else ()), *_models_of_home(kind, environment))
         return any(Path(folder, package).is_dir() for folder in places)
@@ -108,7 +109,7 @@ def _reads_exports(plan: LaunchPlan, kind: str) -> bool:
     ) or any(one.package == "ros_gz_sim" and kind == SIM for one in _servers(plan))
 
 
-def _servers(plan: LaunchPlan) -> Iterator[object]:
+def _servers(plan: LaunchPlan) -> Iterator[Process]:
     return (one for one in started_programs(plan) if "gzserver" in (one.executable or "").lower())
 
 

@@ -10,7 +10,8 @@ from wsgen.launch.descriptions import PUBLISHER
 from wsgen.launch.simulators import CLASSIC, GZ, simulator_kinds
 from wsgen.model.gazebo_plugins import OF_CLASSIC, stem
 from wsgen.model.gazebo_systems import systems
-from wsgen.rules.bridges import BRIDGES, TO_GZ, find_bridges
+from wsgen.rules.bridges import TO_GZ, find_bridges
+from wsgen.rules.simulators import BRIDGES
 from wsgen.suggestions import some_of
 from wsgen.values import NamedTuple
 from wsgen.xmltree import child_texts, children
