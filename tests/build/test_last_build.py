@@ -127,6 +127,26 @@ def test_an_interrupted_build(tmp_path: Path) -> None:
     assert found.message == "The last build of demo was interrupted."
 
 
+def test_a_build_that_was_killed(tmp_path: Path) -> None:
+    """It leaves the result of the one before, and no end in its log."""
+    write_package(tmp_path)
+    left_by_colcon(tmp_path, "demo", "0")
+    build = tmp_path / "build" / "demo"
+    started = build / "colcon_command_prefix_build.sh"
+    started.touch()
+    os.utime(started, (0, 0))
+    assert reported(tmp_path) == []
+    later = (build / "colcon_build.rc").stat().st_mtime + 9
+    os.utime(started, (later, later))
+    assert reported(tmp_path) == []  # as a copy of the workspace may have them
+    left_by_colcon(tmp_path, "demo", "0", date="2026-01-02_10-00-00")
+    events = tmp_path / "log" / "build_2026-01-02_10-00-00" / "events.log"
+    events.write_text(events.read_text().partition("\n")[0])
+    os.utime(started, (later, later))
+    (found,) = reported(tmp_path)
+    assert found.message == "The last build of demo was interrupted."
+
+
 def test_what_failed_for_lack_of_another_package_is_left_out(tmp_path: Path) -> None:
     write_package(tmp_path, "demo_msgs")
     write_package(tmp_path)

@@ -35,8 +35,9 @@ FAILED_BUILD = Rule(
 )
 
 RESULT = "colcon_build.rc"  # in the build folder of a package; colcon writes it after every build
+STARTED = "colcon_command_prefix_*"  # also there; colcon writes it before it runs anything
 INTERRUPTED = "SIGINT"  # as result
-_ENDED = r"^\[[\d.]+\] \({}\) JobEnded: .*'rc': '?(\w+)"  # in events.log
+_EVENT = r"^\[[\d.]+\] \({}\) (?:JobStarted|JobEnded: .*'rc': '?(\w+))"  # in events.log
 
 
 class FailedBuild(NamedTuple):
@@ -63,17 +64,28 @@ def failed_builds(
 
 def _failed_build(workspace: Workspace, package: PackageFolder) -> FailedBuild | None:
     folder = workspace.build / package.name
-    try:
-        result = read_regular_text(folder / RESULT).strip()
-    except (OSError, ValueError):
-        return None
-    if result == "0":
+    result = _read(folder / RESULT).strip()
+    is_good = result in {"", "0"}
+    if is_good and not _was_started_after(folder):
         return None
     log = _last_log(workspace, package.name)
-    # A later build may have had another build folder.
-    if log is not None and _result_in(log, package.name) == "0":
+    in_log = None if log is None else _result_in(log, package.name)
+    # A later build may have had another build folder; one that was killed has left no result.
+    if in_log == "0" or (is_good and in_log is None):
         return None
-    return FailedBuild(package, folder, log, result == INTERRUPTED)
+    return FailedBuild(package, folder, log, INTERRUPTED in {result, in_log} or in_log == "")
+
+
+def _was_started_after(folder: Path) -> bool:
+    """Whether a build began in a build folder after the last one that ended there."""
+    try:
+        ended = (folder / RESULT).stat().st_mtime_ns
+    except OSError:
+        ended = 0
+    try:
+        return any(one.stat().st_mtime_ns > ended for one in folder.glob(STARTED))
+    except OSError:
+        return False
 
 
 def _last_log(workspace: Workspace, package: str) -> Path | None:
@@ -86,9 +98,10 @@ def _last_log(workspace: Workspace, package: str) -> Path | None:
 
 
 def _result_in(log: Path, package: str) -> str | None:
+    """The result of a package; empty where its build did not end, None where nothing tells."""
     text = _read(log / "events.log")
-    ended = re.findall(_ENDED.format(re.escape(package)), text, re.MULTILINE)
-    return ended[-1] if ended else None
+    events = re.findall(_EVENT.format(re.escape(package)), text, re.MULTILINE)
+    return events[-1] if events else None
 
 
 def _read(file: Path) -> str:
@@ -134,8 +147,14 @@ def explain_builds(
             message=f"The last build of {name} failed: {first.message.removeprefix(f'{name}: ')}",
             hint=f"{edited.name} was changed after that. Run `wsgen build`."
             if edited is not None
-            else f"{first.hint or ''} Then run `wsgen build`.",
+            else _and_build(first.hint or ""),
         )
+
+
+def _and_build(hint: str) -> str:
+    if hint.endswith((".", "?")):
+        return f"{hint} Then run `wsgen build`."
+    return f"{hint}; then run `wsgen build`."  # it ends with a command
 
 
 def _edited(one: FailedBuild, file: Path | None) -> Path | None:

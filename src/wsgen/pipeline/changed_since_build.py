@@ -10,6 +10,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.build.last_build import STARTED
 from wsgen.diagnostics import Rule, Severity
 from wsgen.source_shares import may_have_sources
 from wsgen.workspace.layout import read_package
@@ -34,8 +35,6 @@ MODULE_FOLDERS = (
     "Lib/site-packages",
 )
 STAMP = "package.sh"  # in the share folder; colcon writes it at the end of every build
-# In the build folder of a package; colcon writes it before it runs anything there.
-STARTED = "colcon_command_prefix_*"
 
 CHANGED_SINCE_BUILD = Rule(
     code="PKG052",
