@@ -242,6 +242,21 @@ def test_values_that_argparse_refuses(words: tuple[str, ...], code: str, said: s
     assert said in message
 
 
+@pytest.mark.parametrize(
+    ("words", "hint"),
+    [
+        (("-topicrobot_description", "-entity", "e"), "'-topic', 'robot_description'"),
+        (("-topic", "robot_description", "-entity", "e", "-z", "0,3"), "with a point: 0.3"),
+        (("-topic", "robot_description", "-entity", "e", "-z", "high"), "Give meters"),
+    ],
+)
+def test_what_to_write_for_a_missing_comma_and_a_decimal_one(
+    words: tuple[str, ...], hint: str
+) -> None:
+    _, found = find_spawns(plan(spawner(*words), publisher()))
+    assert hint in (found[0].hint or "")
+
+
 def test_create_takes_no_value_in_the_word_of_its_option() -> None:
     (spawn,), (found,) = find_spawns(
         plan(publisher(), create("-topic", "robot_description", "-z 0.5", "-x", "-1e-3"))

@@ -65,6 +65,19 @@ def test_warnings_are_on_standard_error(tmp_path: Path) -> None:
     assert "redefining global symbol" in result.stderr
 
 
+def test_the_line_of_an_include_among_others(tmp_path: Path) -> None:
+    (tmp_path / "one.xacro").write_text(f"{HEAD}</robot>")
+    file = write(
+        tmp_path,
+        f'<xacro:property name="folder" value="{tmp_path}"/>\n'
+        '<xacro:include filename="${folder}/one.xacro"/>\n'
+        '<xacro:include filename="${folder}/two.xacro"/>',
+    )
+    error = expand(file, {}).error
+    assert error is not None
+    assert error.get("line") == 4
+
+
 def test_a_failure_leaves_nothing_for_the_next(tmp_path: Path) -> None:
     bad = write(tmp_path, "${1 +")
     assert expand(bad, {"a": "1"}).code != 0

@@ -36,6 +36,7 @@ INVALID_SPAWNER_OPTION = Rule(
 )
 
 POSE = ("x", "y", "z", "R", "P", "Y")
+LETTER = 2  # the length of an option of one letter, with which many words begin
 
 
 class Options(NamedTuple):
@@ -243,6 +244,12 @@ def _unknown(process: Process, word: str, options: Options) -> _Remark:
             "Write each option and each value as a separate item of `arguments`.",
         )
     names = [f"-{name}" for name in sorted(options.with_value | options.flags)]
+    glued = next((name for name in names if len(name) > LETTER and word.startswith(name)), None)
+    if glued is not None:
+        return _Remark(
+            f"'{word}' is a single argument of {process.executable}, which does not know it.",
+            f"Write a comma after '{glued}': '{glued}', '{word.removeprefix(glued).lstrip('= ')}'",
+        )
     does = "does not know" if options.is_strict else "ignores"
     is_name = word.lstrip("-") in {"entity", "model", "name"}  # as other spawners call it
     return _Remark(

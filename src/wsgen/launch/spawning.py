@@ -434,11 +434,14 @@ def _is_number(text: Any) -> bool:
 
 
 def _invalid(program: Process, name: str, value: Any) -> Diagnostic:
+    point = str(value).replace(",", ".")
     return _report(
         INVALID_SPAWN_POSE,
         program,
         f"{name} of the spawner is '{value}', which is not a finite number.",
-        "Write each option and each value as a separate item of `arguments`."
+        f"Write it with a point: {point}"
+        if point != value and _is_number(point)
+        else "Write each option and each value as a separate item of `arguments`."
         if len(str(value).split()) > 1
         else "Give meters for -x -y -z and radians for -R -P -Y.",
     )

@@ -525,12 +525,20 @@ def _find_place(found: _Trace, sources: _Sources) -> _Place | None:
         return None
     if getattr(found.node, "tagName", None) is None:
         return None
-    for element in sources.elements:
-        if _is_written_as(found, element):
-            attribute = found.attribute
-            line = element.line if attribute is None else element.line_of(attribute)
-            return _Place(str(element.file), line)
-    return None
+    # Of those that may be it, the one whose attributes are those of the element, if there is one.
+    now = found.node.attributes
+    alike = [element for element in sources.elements if _is_written_as(found, element)]
+    element = max(
+        alike,
+        key=lambda one: sum(
+            name in now and now[name].value == text for name, text in one.attributes.items()
+        ),
+        default=None,
+    )
+    if element is None:
+        return None
+    line = element.line if found.attribute is None else element.line_of(found.attribute)
+    return _Place(str(element.file), line)
 
 
 def _property(found: _Trace, sources: _Sources) -> _Place | None:
