@@ -247,6 +247,19 @@ def read_regular(path: Path, limit: int) -> bytes:
 LARGEST_TEXT = 2**26  # bytes; logs of large builds have less
 
 
+def read_whole(path: Path, limit: int = LARGEST_TEXT) -> bytes:
+    """Read a regular file.
+
+    Raises:
+        OSError: It is not a regular file, is larger than `limit` bytes, or cannot be read.
+        ValueError: A file cannot have this name.
+    """
+    data = read_regular(path, limit)
+    if len(data) > limit:
+        raise OSError(errno.EFBIG, "it is too large", str(path))
+    return data
+
+
 def read_regular_text(path: Path, limit: int = LARGEST_TEXT, *, errors: str = "strict") -> str:
     """Read a regular file in UTF-8; `errors` is that of `bytes.decode`.
 
@@ -254,10 +267,7 @@ def read_regular_text(path: Path, limit: int = LARGEST_TEXT, *, errors: str = "s
         OSError: It is not a regular file, is larger than `limit` bytes, or cannot be read.
         ValueError: It is not UTF-8, or a file cannot have this name.
     """
-    data = read_regular(path, limit)
-    if len(data) > limit:
-        raise OSError(errno.EFBIG, "it is too large", str(path))
-    return data.decode("utf-8", errors).replace("\r\n", "\n")
+    return read_whole(path, limit).decode("utf-8", errors).replace("\r\n", "\n")
 
 
 def wide_encoding(data: bytes) -> str | None:

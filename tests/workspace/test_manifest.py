@@ -268,3 +268,13 @@ def test_a_plain_manifest_is_checked_without_catkin_pkg(tmp_path: Path) -> None:
         "assert not any(name.startswith('catkin_pkg') for name in sys.modules)"
     )
     subprocess.run([sys.executable, "-c", code, str(write(tmp_path, PACKAGE_XML))], check=True)
+
+
+@pytest.mark.parametrize("name", ["../../evil", "a/b", "..", ".", "a\\b", "a\nb"])
+def test_a_name_that_leads_elsewhere(tmp_path: Path, name: str) -> None:
+    """Folders and files are called by the name of the package."""
+    file = tmp_path / "package.xml"
+    file.write_text(f"<package>\n<name>{name}</name></package>")
+    found = read_manifest(file)
+    assert isinstance(found, Diagnostic)
+    assert (found.code, found.line) == ("PKG004", 2)

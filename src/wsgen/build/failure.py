@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from wsgen.files import read_regular_text
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
@@ -53,7 +54,7 @@ class CMakeError:
 def _calls(file: Path, line: int, command: str) -> bool:
     """Whether a line has a call of the command: another project has a file of this name, too."""
     try:
-        lines = file.read_text(encoding="utf-8", errors="replace").splitlines()
+        lines = read_regular_text(file, errors="replace").splitlines()
     except OSError:
         return False
     return not command or command.lower() in "".join(lines[line - 1 : line]).lower()

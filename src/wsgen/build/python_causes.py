@@ -16,6 +16,7 @@ from wsgen.build_files.python_checks import (
     word_module,
     word_package,
 )
+from wsgen.files import read_whole
 from wsgen.ros_names import released_packages
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ def find_keyword(file: Path, name: str) -> int | None:
 
 def _read_nodes(file: Path) -> Iterator[ast.AST]:
     try:
-        tree = ast.parse(file.read_bytes())
+        tree = ast.parse(read_whole(file))
     except (OSError, SyntaxError, ValueError, RecursionError):
         return iter(())
     return ast.walk(tree)

@@ -21,7 +21,7 @@ from wsgen.build_files.python_values import (
     items_of,
     line_of,
 )
-from wsgen.files import read_regular
+from wsgen.files import read_regular, read_regular_text
 from wsgen.pythontree import parse_anew
 from wsgen.suggestions import nearest
 from wsgen.values import dataclass
@@ -95,7 +95,7 @@ class Configuration:
         self.mistake: tuple[int, str] | None = None
         if self.exists:
             try:
-                text = file.read_text(encoding="utf-8", errors="replace")
+                text = read_regular_text(file, errors="replace")
                 self._lines = text.splitlines()
                 self._sections.read_string(text)
             except OSError:

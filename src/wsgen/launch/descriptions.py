@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity
-from wsgen.files import after_scheme, refuse_irregular
+from wsgen.files import after_scheme, read_regular_text
 from wsgen.launch.commands import started_launch_files, started_programs
 from wsgen.launch.explain_missing import absolute_part
 from wsgen.launch.known_packages import SURELY
@@ -174,8 +174,7 @@ def read_spawned_file(plan: LaunchPlan, process: Process, path: str) -> Descript
         return Description(model_uri=path)
     try:
         file = Path(after_scheme(path.removeprefix("file://")))
-        refuse_irregular(file)  # to read a device may have no end
-        text = file.read_text(encoding="utf-8")
+        text = read_regular_text(file)
     except (OSError, UnicodeDecodeError, ValueError) as error:
         return _unreadable(plan, process, path, error)
     return Description(text, file)

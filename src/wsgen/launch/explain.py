@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wsgen.diagnostics import Rule, Severity
-from wsgen.files import save_as_utf8, wide_encoding
+from wsgen.files import read_whole, save_as_utf8, wide_encoding
 from wsgen.launch import explain_missing, explain_names
 from wsgen.launch.explain_missing import (
     EXECUTABLE_NOT_FOUND,
@@ -214,7 +214,7 @@ def _explain(
 def _function_of(launch_file: str) -> tuple[str, int]:
     """Where what the launch file describes begins."""
     try:
-        lines = Path(launch_file).read_bytes().splitlines()
+        lines = read_whole(Path(launch_file)).splitlines()
     except OSError:
         lines = []
     starts = (n for n, line in enumerate(lines, 1) if b"generate_launch_description" in line)
@@ -247,7 +247,7 @@ def _encoding(error: BaseException) -> Explanation | None:
     if not RECORD.launch_files or not (is_read and _ABOUT_BYTES.search(str(error))):
         return None
     file = RECORD.launch_files[-1]
-    content = Path(file).read_bytes()
+    content = read_whole(Path(file))
     line, encoding, known = 1, "UTF-16", "UTF-16"
     nulls = content.count(b"\0")
     if nulls and nulls < len(content) * LEAST_NULLS and wide_encoding(content) is None:

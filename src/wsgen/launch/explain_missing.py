@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wsgen.diagnostics import Rule, Severity
+from wsgen.files import read_whole
 from wsgen.launch import known_packages
 from wsgen.launch.other_places import find_in_package, in_python
 from wsgen.launch.package_lookup import needs_missing_library, targets_left_out
@@ -35,7 +36,7 @@ def nodes_of(file: str | Path) -> Iterator[Any]:
 def parsed(file: str | Path) -> ast.Module | None:
     """The syntax tree of a launch file; None of one that is not Python."""
     try:
-        tree: ast.Module = parse_anew(Path(file).read_bytes())
+        tree: ast.Module = parse_anew(read_whole(Path(file)))
     except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
         return None
     return tree

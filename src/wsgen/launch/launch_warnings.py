@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
+from wsgen.files import read_whole
 from wsgen.launch import known_packages
 from wsgen.launch.other_places import find_in_package, in_python
 from wsgen.launch.record import RECORD
@@ -98,7 +99,7 @@ def report_unused_arguments(
     line of the include and whether the included file belongs to a package that is not installed.
     """
     for file in RECORD.launch_files:
-        if b"argv" in Path(file).read_bytes():
+        if b"argv" in read_whole(Path(file)):
             return  # it may look for its arguments in the command line
     declared = list(RECORD.argument_use.declared)
     for name in given:

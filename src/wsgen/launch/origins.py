@@ -18,6 +18,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from wsgen.files import read_whole
 from wsgen.isolation.child import scratch_folder
 from wsgen.launch.record import RECORD
 from wsgen.model.plan import FileRead
@@ -96,7 +97,7 @@ def _lines_of_dict(file: str, written: ast.expr, prefix: str) -> dict[str, int]:
 @functools.cache
 def _syntax(file: str) -> ast.AST:
     try:
-        return ast.parse(Path(file).read_bytes())
+        return ast.parse(read_whole(Path(file)))
     except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):  # XML and YAML, too
         return ast.Module(body=[], type_ignores=[])
 

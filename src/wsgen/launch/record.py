@@ -21,7 +21,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from wsgen.files import refuse_irregular
+from wsgen.files import read_regular_text
 from wsgen.isolation import child
 from wsgen.launch.requests import requested_texts
 from wsgen.model.plan import Origin, Unresolved
@@ -280,8 +280,7 @@ class Record:
             return self.texts[text]
         for file in dict.fromkeys(self.opened):
             with contextlib.suppress(OSError, ValueError):
-                refuse_irregular(file)
-                self.texts.setdefault(_fold(Path(file).read_text(encoding="utf-8")), file)
+                self.texts.setdefault(_fold(read_regular_text(Path(file))), file)
         self.opened.clear()  # reading them was seen as well
         return self.texts.get(text)
 
@@ -447,7 +446,7 @@ def _cat(files: Sequence[str]) -> CommandOutcome:
     text = ""
     for file in files:
         try:
-            text += Path(file).read_text(encoding="utf-8")
+            text += read_regular_text(Path(file))
             RECORD.note_text(text, os.path.abspath(file))
         except OSError as error:  # noqa: PERF203  each file may fail
             return CommandOutcome(

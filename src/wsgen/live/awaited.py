@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.errors import RequestError
+from wsgen.files import read_regular_text
 from wsgen.launch import commands
 from wsgen.live.programs import PLUGINS
 from wsgen.suggestions import ask_for_nearest, some_of
@@ -108,7 +109,7 @@ def _is_mentioned(name: str, plan: LaunchPlan) -> bool:
         return True
     for file in {plan.launch_file, *(include.file for include in plan.includes)}:
         with suppress(OSError):
-            text = file.read_text(encoding="utf-8", errors="replace")
+            text = read_regular_text(file, errors="replace")
             if any(f"{quote}{name}{quote}" in text for quote in "'\""):
                 return True
     return False

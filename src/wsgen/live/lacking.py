@@ -14,6 +14,7 @@ from importlib.machinery import PathFinder
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wsgen.files import read_whole
 from wsgen.markup import read_text
 from wsgen.pythontree import parse_anew
 
@@ -54,7 +55,7 @@ def syntax_error(words: Sequence[str], variables: Mapping[str, str]) -> tuple[Pa
     if found is None:
         return None
     try:
-        parse_anew(found[0].read_bytes())
+        parse_anew(read_whole(found[0]))
     except SyntaxError as error:
         return found[0], error.lineno or 1
     except (OSError, ValueError, RecursionError, MemoryError):
@@ -97,7 +98,7 @@ def _module_of(script: Path, places: Sequence[str]) -> Path | None:
 def _imported(file: Path) -> Iterator[str]:
     """The outermost packages that a file imports before it does anything else."""
     try:
-        tree = parse_anew(file.read_bytes())
+        tree = parse_anew(read_whole(file))
     except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
         return
     for node in tree.body:

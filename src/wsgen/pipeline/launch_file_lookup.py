@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.errors import RequestError
+from wsgen.files import read_whole
 from wsgen.suggestions import ask_for_nearest
 from wsgen.workspace.layout import LAUNCH_FUNCTION, find_launch_files, find_packages
 
@@ -83,6 +84,6 @@ def _is_test(file: Path, folder: Path) -> bool:
 def _holds(file: Path, word: bytes) -> bool:
     """Whether a word is in a file, capitals or not; True where that cannot be known."""
     try:
-        return word in file.read_bytes().lower()
+        return word in read_whole(file).lower()
     except OSError:
         return True

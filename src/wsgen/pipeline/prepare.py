@@ -467,7 +467,7 @@ def _read_included(
     file: Path, context: PrepareContext
 ) -> tuple[Robot | None, tuple[Diagnostic, ...]]:
     """A URDF file that a world includes, as Gazebo has it."""
-    written, found = read_urdf(file.read_bytes(), file=file)
+    written, found = read_urdf(read_regular(file, LARGEST_TEXT), file=file)
     if written is None:
         return None, found
     located, missing = find_meshes(
@@ -535,7 +535,7 @@ def _with_included_devices(model: SdfModel) -> SdfModel:
         return model
     from wsgen.urdf.devices import read_devices  # noqa: PLC0415  live runs alone
 
-    text = model.file.read_bytes()
+    text = read_regular(model.file, LARGEST_TEXT)
     written, _ = read_urdf(text, file=model.file)
     if written is None:
         return model

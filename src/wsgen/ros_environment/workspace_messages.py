@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.errors import WsgenError
+from wsgen.files import read_regular_text
 from wsgen.ros_environment.environment import find_compiler, variables_of
 from wsgen.ros_environment.interfaces import ADDED, OTHER_PACKAGE
 from wsgen.ros_environment.messages import MessagePackage, build_messages
@@ -130,7 +131,7 @@ def mistakes_in(
             yield line, f"{used} is used, but it is not {declared}.{question}"
     if file.suffix == ".idl":
         return
-    text = file.read_text(encoding="utf-8", errors="replace")
+    text = read_regular_text(file, errors="replace")
     for number, written in enumerate(text.splitlines(), start=1):
         match = FIELD.match(COMMENT.sub("", written).strip())
         if match is None:
@@ -150,7 +151,7 @@ def mistakes_in(
 
 def _used(file: Path) -> list[tuple[int, str]]:
     """List the packages whose types a file uses, each with the 1-based line."""
-    text = file.read_text(encoding="utf-8", errors="replace")
+    text = read_regular_text(file, errors="replace")
     found = []
     for number, line in enumerate(text.splitlines(), start=1):
         if file.suffix == ".idl":
@@ -174,7 +175,7 @@ def _closure(packages: set[str], prefixes: list[Path]) -> set[str]:
         for prefix in prefixes:
             manifest = prefix / "share" / name / "package.xml"
             if _has(prefix, name) and manifest.is_file():
-                open_ += DEPENDENCY.findall(manifest.read_text(encoding="utf-8", errors="replace"))
+                open_ += DEPENDENCY.findall(read_regular_text(manifest, errors="replace"))
                 break
     return found
 

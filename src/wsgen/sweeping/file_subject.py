@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+from wsgen.files import read_whole
 from wsgen.pipeline.file_validation import FileValidation
 from wsgen.pipeline.prepare import PrepareContext
 from wsgen.pipeline.requests import FILE_SUFFIXES, ValidateRequest
@@ -118,7 +119,7 @@ class FileSubject(Subject):
     def _texts(self, validation: FileValidation, blueprint: Blueprint) -> Iterator[RobotText]:
         text: str | bytes | None = validation.text
         if validation.kind == "sdf" and blueprint.world is not None:
-            text = self._file.read_bytes()
+            text = read_whole(self._file)
         if text is not None and blueprint.prepared:
             decoded = text if isinstance(text, str) else text.decode("utf-8-sig", "replace")
             yield RobotText(blueprint.prepared[0].entity, decoded, self._file)

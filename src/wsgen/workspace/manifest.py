@@ -281,6 +281,16 @@ def _make_manifest(handler: _Handler, file: Path) -> Manifest | Diagnostic:
             message="package.xml does not name the package.",
             hint=f"Add <name>{file.parent.name}</name> below <package>.",
         )
+    if not name.isprintable() or "/" in name or "\\" in name or name in {".", ".."}:
+        # Folders and files get this name, and must not be elsewhere.
+        return UNNAMED_PACKAGE.at(
+            file,
+            entries[("name",)][0].line,
+            element="package/name",
+            message=f"package.xml does not name the package: `{name}` cannot be the name of a "
+            f"folder.",
+            hint="Write lower-case letters, digits and _, beginning with a letter.",
+        )
     return Manifest(
         name=name,
         build_type=_build_type(entries.get(("export", "build_type"), ())),

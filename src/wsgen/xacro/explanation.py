@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict
 from xml.parsers.expat import ExpatError
 
-from wsgen.files import irregular_kind, read_regular, save_as_utf8, wide_encoding
+from wsgen.files import irregular_kind, read_regular, read_regular_text, save_as_utf8, wide_encoding
 from wsgen.markup import SIZE_LIMIT, elements, label, line_with, read_text, without_comments
 from wsgen.suggestions import advice, did_you_mean, nearest
 from wsgen.xmlsyntax import find_mistake
@@ -455,7 +455,7 @@ def unused_arguments(
     texts = []
     for file in dict.fromkeys(filter(None, files)):
         with contextlib.suppress(OSError):
-            texts.append(Path(file).read_text(encoding="utf-8", errors="replace"))
+            texts.append(read_regular_text(Path(file), errors="replace"))
     written = "\n".join(texts)
     # A condition may leave out the place that declares or uses an argument.
     places = r"""(?:xacro:arg\s[^>]*name\s*=\s*["']|\(\s*arg\s+|arg\(\s*["']){}\b"""

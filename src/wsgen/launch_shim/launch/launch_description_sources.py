@@ -10,13 +10,16 @@ from typing import TYPE_CHECKING
 from launch._finder import show_public_names
 from launch.base import InvalidLaunchFileError
 from launch.launch_description import LaunchDescriptionSource
-from wsgen.files import refuse_irregular
+from wsgen.files import read_whole
 from wsgen.launch.plain import is_plain
 from wsgen.launch.record import RECORD, locate
 
 if TYPE_CHECKING:
     from launch.base import SomeSubstitutionsType
     from launch.launch_description import LaunchDescription
+
+
+SIZE_LIMIT = 2**23  # bytes; what people write by hand is far smaller
 
 
 class InvalidPythonLaunchFileError(InvalidLaunchFileError):
@@ -26,8 +29,7 @@ class InvalidPythonLaunchFileError(InvalidLaunchFileError):
 def load_python_launch_file_as_module(python_launch_file_path: str) -> ModuleType:
     """Execute the file; no bytecode is written beside it."""
     path = os.fspath(python_launch_file_path)
-    refuse_irregular(path)
-    source = Path(path).read_bytes()
+    source = read_whole(Path(path), SIZE_LIMIT)
     RECORD.require_plain(lambda: path == RECORD.plain_file or is_plain(source))
     RECORD.launch_files.append(path)
     module = ModuleType("python_launch_file")
