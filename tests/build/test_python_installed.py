@@ -58,7 +58,7 @@ TARGETS = {
     "function": (f"{NAME}.drive_in_circles:mian", "has no function mian", "Did you mean `main`?"),
     "no function": (f"{NAME}.drive_in_circles", "does not name a function", ":main, if that"),
     "module": (f"{NAME}.drive:main", "drive does not exist", "Did you mean"),
-    "package": ("beetle_bring.x:main", "beetle_bring.x does not exist", "Write it"),
+    "package": ("beetle_bring.x:main", "beetle_bring.x does not exist", "Define it"),
     "not installed": (f"{NAME}.new:main", "new is not installed", f"Create {NAME}/__init__.py"),
 }
 
