@@ -11,6 +11,7 @@ from wsgen.diagnostics import Severity
 from wsgen.model.plan import LaunchPlan, Process, Unresolved
 from wsgen.rules.controllers import (
     find_configured,
+    former_spawners,
     parameter_files,
     unknown_controllers,
     unknown_types,
@@ -165,3 +166,23 @@ def test_types_that_do_not_exist(written: str) -> None:
 def test_types_that_may_exist(written: str) -> None:
     text = TEXT.replace("diff_drive_controller/DiffDriveController", written)
     assert list(unknown_types(FILE, read(text), ())) == []
+
+
+@pytest.mark.parametrize(
+    ("program", "distro", "meant"),
+    [
+        ("spawner.py", "humble", "`spawner`"),
+        ("unspawner.py", "jazzy", "`unspawner`"),
+        ("spawner.py", "foxy", None),
+        ("spawner.py", None, None),
+        ("spawner", "jazzy", None),
+    ],
+)
+def test_spawners_that_humble_no_longer_has(
+    program: str, distro: str | None, meant: str | None
+) -> None:
+    found = [*former_spawners(plan(spawner("a", executable=program)), distro)]
+    assert [one.hint for one in found] == ([f"Did you mean {meant}?"] if meant else [])
+    create = Process(package="ros_gz_sim", executable="create")
+    of_later = [*former_spawners(plan(create, spawner("a", executable="spawner.py")), None)]
+    assert [(one.code, one.line) for one in of_later] == [("LCH021", 3)]

@@ -46,6 +46,7 @@ from wsgen.pipeline.prepare import PrepareContext
 from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
 from wsgen.pipeline.started import Started, start
 from wsgen.rules import launch_files
+from wsgen.rules.controllers import former_spawners
 from wsgen.rules.target import target_of
 from wsgen.values import NamedTuple, lazy_pattern
 from wsgen.workspace.layout import find_launch_files
@@ -174,6 +175,8 @@ class PackageCheck:
             [one.written for one in self.robots],
             [one.started.plan for one in candidates],
         )
+        for one in candidates:
+            yield from former_spawners(one.started.plan, self.distro)
         yield from check_topics(
             self.package,
             [one.started for one in candidates],

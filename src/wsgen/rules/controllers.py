@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launch.commands import started_programs
+from wsgen.launch.explain_missing import EXECUTABLE_NOT_FOUND
 from wsgen.suggestions import advice, did_you_mean, nearest
 from wsgen.values import NamedTuple
 from wsgen.xmltree import children
@@ -239,6 +240,28 @@ def _started(plan: LaunchPlan) -> Iterator[tuple[Process, str]]:
             yield program, name
 
 
+def former_spawners(plan: LaunchPlan, distro: str | None) -> Iterator[Diagnostic]:
+    """Report spawner.py and unspawner.py, which no distribution since Humble has.
+
+    Source: ros-controls/ros2_control, controller_manager/setup.cfg.
+    """
+    started = started_programs(plan)
+    is_later = any(program.package == "ros_gz_sim" for program in started)  # Humble's name
+    if distro in _FORMER_DISTROS if distro else not is_later:
+        return
+    for program in started:
+        if program.package == MANAGER and program.executable in {"spawner.py", "unspawner.py"}:
+            yield EXECUTABLE_NOT_FOUND.at(
+                program.file,
+                program.line,
+                program.executable,
+                message=f"The package 'controller_manager' has no executable "
+                f"'{program.executable}' since Humble.",
+                hint=did_you_mean(program.executable.removesuffix(".py")),
+            )
+
+
+_FORMER_DISTROS = frozenset(("dashing", "eloquent", "foxy", "galactic"))
 _LOADING = {("control", "load_controller"), ("control", "load_start_controller")}
 
 
