@@ -99,7 +99,7 @@ def test_what_is_not_validated_is_said_once_for_each_reason() -> None:
         for n in range(4)
     ]
     failing = [
-        NotValidated(package="p", launch_file=Path(name), reason="no") for name in ("a", "b")
+        NotValidated(package="p", launch_file=Path(name), reason="no") for name in ("a", "b\n::x")
     ]
     messages = NotValidated(package="m", reason="spawns no robot")
     outcome = Outcome(packages=(), not_validated=(*robots, *failing, messages))
@@ -109,7 +109,7 @@ def test_what_is_not_validated_is_said_once_for_each_reason() -> None:
         "not validated",
         "  r0, r1, r2, r3: spawns no robot",
         "   try: wsgen validate 0.urdf 1.urdf 2.urdf  # or one of 1 more",
-        "  p a, b: no",
+        "  p a, b ::x: no",
         "  m: spawns no robot",
     ]
 

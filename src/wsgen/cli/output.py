@@ -148,7 +148,7 @@ def _not_validated(packages: Sequence[NotValidated]) -> Iterator[str]:
         alike.setdefault((one.reason, prefix, bool(one.robot_files)), []).append(one)
     for (reason, prefix, _), those in alike.items():
         names = [one.launch_file.name if one.launch_file else one.package for one in those]
-        yield f"  {prefix}{', '.join(names)}: {reason}"
+        yield "  " + clean_line(f"{prefix}{', '.join(names)}: {reason}")
         files = [short_name(file) for one in those for file in one.robot_files]
         if files:
             more = f"  # or one of {len(files) - MOST_ALIKE} more" * (len(files) > MOST_ALIKE)

@@ -91,7 +91,7 @@ def _read_settings(package: Path) -> tuple[Settings, tuple[Diagnostic, ...]]:
             INVALID_SETTINGS.at(
                 file,
                 message=f"{FILE} cannot be read: {error.strerror}.",
-                hint="Make it readable for your user.",
+                hint="Check that it is a file of at most 1 MB that you may read (ls -l).",
             ),
         )
     except ValueError as error:
