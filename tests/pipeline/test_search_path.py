@@ -137,3 +137,23 @@ def test_other_robots_and_simulators(tmp_path: Path) -> None:
     started = Started(plan, None, (SPAWN,), (), True, 0.0, True)
     # A package that is not of the workspace brings what it needs.
     assert not list(check_search_path(started, overlay, {}, ()))
+
+
+@pytest.mark.parametrize("folder", ["{parent}", "{source}/..", "/elsewhere"])
+def test_the_folder_of_a_package_that_is_not_built_may_have_any_name(
+    tmp_path: Path, folder: str
+) -> None:
+    source = tmp_path / "clone"
+    source.mkdir()
+    overlay = Overlay(
+        install=tmp_path / "install", environment={}, prefixes=(), sources={"looks": source}
+    )
+    plan = LaunchPlan(
+        package="starts",
+        launch_file=Path("a.launch.py"),
+        includes=(GZ,),
+    )
+    started = Started(plan, None, (SPAWN,), (), True, 0.0, True)
+    path = folder.format(parent=tmp_path, source=source)
+    found = check_search_path(started, overlay, {"GZ_SIM_RESOURCE_PATH": path}, ())
+    assert len(list(found)) == (folder == "/elsewhere")

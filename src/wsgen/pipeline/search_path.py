@@ -76,12 +76,13 @@ def check_search_path(
             # Each package has a prefix of its own, where wsgen has laid out one for all.
             if one == package or is_merged or share is None or Path(folder) != share.parent
         ]
-        # The folder of a package that is not built may have another name.
-        is_built = share is None or share not in overlay.sources.values()
-        if reads and share is not None and not is_built and str(share.parent) in exported:
-            return True
         places = (*folders, *(exported if reads else ()), *_models_of_home(kind, environment))
-        return any(Path(folder, package).is_dir() for folder in places)
+        # The folder of a package that is not built may have another name.
+        source = share.parent if share is not None and share in overlay.sources.values() else None
+        return any(
+            Path(folder, package).is_dir() or Path(os.path.normpath(folder)) == source
+            for folder in places
+        )
 
     missing = {package for package in used if not has(package)}
     if missing and not _is_set_by_hand(kind, overlay, sources):
