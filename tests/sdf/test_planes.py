@@ -9,10 +9,12 @@ import pytest
 
 from wsgen.model.robot import Box, Surface
 from wsgen.model.transform import Pose, compose, rotate, rotation_of_rpy
-from wsgen.sdf.models import read_model
+from wsgen.sdf.lookup import model_finder
+from wsgen.sdf.models import read_model, read_sdf
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
 
     from wsgen.model.robot import Collision, Robot
     from wsgen.sdf.models import SdfFile
@@ -192,3 +194,17 @@ def test_static_terrain_carries(read: Read) -> None:
     )
     file = read(world(terrain))
     assert "WLD006" not in {found.code for found in file.diagnostics}
+
+
+def test_ground_that_is_a_missing_mesh(tmp_path: Path) -> None:
+    """The mesh is the one error: what is spawned stands on a plane, and does not fall as well."""
+    mesh = '<collision name="c"><geometry><mesh><uri>field.stl</uri></mesh></geometry></collision>'
+    content = (
+        '<sdf version="1.9"><world name="w"><model name="field"><static>1</static>'
+        f'<link name="l">{mesh}</link></model></world></sdf>'
+    )
+    file = tmp_path / "w.sdf"
+    found = read_sdf(file, find_model=model_finder(file, {}), content=content)
+    assert [one.code for one in found.diagnostics] == ["ROB060"]
+    assert found.world is not None
+    assert found.world.has_ground_plane

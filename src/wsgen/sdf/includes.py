@@ -169,7 +169,8 @@ class Includes:
         self._misspelled_ground: int | None = None  # the place of the diagnostic about it
         self._of_gazebo: dict[str, tuple[Source, Element]] = {}  # where each is named first
         self._of_network: dict[str, tuple[Source, Element]] = {}  # likewise
-        self.left_out: set[Element] = set()  # includes that gave nothing, which is reported
+        # Includes that gave nothing, and meshes of collisions that are missing: both are reported.
+        self.left_out: set[Element] = set()
         self.solids_left_out = 0  # collisions and parts that only Gazebo finds
 
     def find(

@@ -496,6 +496,8 @@ class ShapeReader:
         is_gazebos = self.includes.leave_to_gazebo(self.source, shape, uri, is_solid=not is_visual)
         if not is_gazebos and (uri, str(owner.tag)) not in self._missing:
             self._missing.add((uri, str(owner.tag)))
+            if not is_visual:
+                self.includes.left_out.add(shape)
             self.source.report(
                 MISSING_VISUAL_MESH if is_visual else MISSING_COLLISION_MESH,
                 f"The {owner.tag} mesh `{uri}` of the link `{self.link}` is "
