@@ -96,7 +96,12 @@ def test_an_integer_that_is_too_large_has_its_line(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", [".".join("a" * 20_000) + " = 1", "[" + " . ".join("a" * 20_000) + "]"]
+    "text",
+    [
+        ".".join("a" * 20_000) + " = 1",
+        "[" + " . ".join("a" * 20_000) + "]",
+        "b = { " + ".".join("a" * 20_000) + " = 1 }",
+    ],
 )
 def test_a_key_of_too_many_words(tmp_path: Path, text: str) -> None:
     """The library takes the square of their number in memory."""
@@ -109,3 +114,11 @@ def test_a_file_that_is_too_large(tmp_path: Path) -> None:
     (tmp_path / "a.toml").write_text("#" * (tomlfile.SIZE_LIMIT + 1))
     with pytest.raises(OSError, match="too large"):
         tomlfile.load(tmp_path / "a.toml")
+
+
+@pytest.mark.parametrize(
+    "text", ["a = 9" + "9" * 500_000, " " * 500_000, "1, " * 99_999, "a." * 99]
+)
+def test_what_is_long_is_searched_in_linear_time(text: str) -> None:
+    """A quadratic search would take minutes."""
+    assert tomlfile.DEEP.search(text) is None

@@ -22,7 +22,8 @@ else:
 
 
 SIZE_LIMIT = 2**20  # bytes; what people write by hand is far smaller
-DEEP = lazy_pattern(r"(?:[\w\"'-]+[ \t]*\.[ \t]*){100}")  # tomllib needs the square of it
+# A key of many words, for which tomllib needs the square of their number.
+DEEP = lazy_pattern(r"(?m)(?:^|[\[{,])[ \t]*(?:[\w\"'-]+[ \t]*\.[ \t]*){100}")
 INTEGERS = range(-(2**63), 2**63)
 _WORD = r"""(?:"[^"]*"|'[^']*'|[\w-]+)"""
 _DOTTED = rf"{_WORD}(?:\s*\.\s*{_WORD})*"
