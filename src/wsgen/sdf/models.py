@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from wsgen.description_rules import UNNAMED_ELEMENT
 from wsgen.diagnostics import Rule, Severity
 from wsgen.files import real_path
+from wsgen.model.robot import Mesh
 from wsgen.model.transform import IDENTITY, Pose, compose
 from wsgen.model.world import PlacedModel
 from wsgen.sdf.frames import (
@@ -386,11 +387,10 @@ def _carries(node: Node, model: SdfModel) -> bool:
     """Whether others can stand on it; a terrain carries even where wsgen cannot read it."""
     if next(node.element.iter("heightmap"), None) is not None:
         return True
-    return (
-        model.is_static
-        and model.robot is not None
-        and any(link.collisions for link in model.robot.links)
-    )
+    if not model.is_static or model.robot is None:
+        return False
+    shapes = (one.geometry for link in model.robot.links for one in link.collisions)
+    return any(not isinstance(shape, Mesh) or shape.path is not None for shape in shapes)
 
 
 NOT_SIMULATED = "not simulated"
