@@ -74,6 +74,14 @@ def check(
     return [one.name for one in check_bridges(found.topics, known(), world=world, models=models)]
 
 
+def test_a_bridge_without_topics() -> None:
+    (found,) = find_bridges(plan(bridge_of())).diagnostics
+    assert found.code == "LCH072"
+    assert "config_file" in (found.hint or "")
+    assert not find_bridges(plan(bridge_of(bridge_names=["a"]))).diagnostics
+    assert not find_bridges(plan(bridge_of("--ros-args", "--params-file", "a"))).diagnostics
+
+
 def test_bridges_are_read() -> None:
     found = find_bridges(plan(bridge_of(LASER, "/a@std_msgs/msg/String]gz.msgs.StringMsg")))
     assert found.topics[0] == Bridge(

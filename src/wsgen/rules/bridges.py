@@ -25,7 +25,7 @@ INVALID_BRIDGE = Rule(
     code="LCH072",
     name="invalid-bridge",
     severity=Severity.ERROR,
-    summary="`parameter_bridge` does not understand one of its arguments.",
+    summary="`parameter_bridge` does not understand one of its arguments, or is given no topics.",
     what="Reads `TOPIC@ROS_TYPE[GZ_TYPE`, where the bracket is `[` from Gazebo to ROS, `]` from "
     "ROS to Gazebo, or `@` for both.",
     why="`parameter_bridge` prints how it is used and ends: it bridges no topic at all.",
@@ -194,6 +194,10 @@ def find_bridges(plan: LaunchPlan) -> Bridges:
     for name, content in contents.items():
         if isinstance(content, yamlfile.Value):
             found += _read_entries(Path(name), content)
+    is_known = plan.is_complete and not any(
+        "--params-file" in process.arguments for process in plan.processes
+    )
+    found += (_without_topics(node) for node in nodes if is_known and _is_empty(node))
     return Bridges(
         topics=tuple(one for one in found if isinstance(one, Bridge)),
         diagnostics=tuple(one for one in found if isinstance(one, Diagnostic)),
@@ -201,6 +205,27 @@ def find_bridges(plan: LaunchPlan) -> Bridges:
         and not any(plan.is_unknown(word) for _, word in words)
         and all(isinstance(content, yamlfile.Value) for content in contents.values())
         and not any(_COMPUTED.intersection(node.parameters) for node in nodes),
+    )
+
+
+def _is_empty(node: Process) -> bool:
+    """Whether a bridge is given neither topics nor the file that has them."""
+    given = {*_COMPUTED, "config_file"}
+    return (
+        node.executable == "parameter_bridge"
+        and given.isdisjoint(node.parameters)
+        and not any(_words(node))
+    )
+
+
+def _without_topics(node: Process) -> Diagnostic:
+    return INVALID_BRIDGE.at(
+        node.file,
+        node.line,
+        node.executable,
+        message=f"`{node.executable}` is given no topics, and bridges nothing.",
+        hint="Name the YAML file with its topics: parameters=[{'config_file': FILE}], or give "
+        "topics as arguments.",
     )
 
 
