@@ -293,6 +293,13 @@ def test_exit(space: InstallSpace, call: str) -> None:
     only_message(evaluate(space, call), "LCH014")
 
 
+def test_what_is_printed_before_the_end_of_the_program(space: InstallSpace) -> None:
+    plan = space.play("", before="print('ERROR: no\\n argument robot.')\nexit()")
+    message = only_message(plan, "LCH014")
+    assert "ends the program, and prints: ERROR: no argument robot." in message
+    assert "Give the launch argument" in message
+
+
 @pytest.mark.parametrize("name", ["GeneratorExit", "Own"])
 def test_what_is_no_exception(space: InstallSpace, name: str) -> None:
     plan = evaluate(space, f"class Own(BaseException): pass\nraise {name}('no')\n")

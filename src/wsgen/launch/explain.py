@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import os
 import re
+import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.files import read_whole, save_as_utf8, wide_encoding
+from wsgen.isolation.child import scratch_folder
 from wsgen.launch import explain_missing, explain_names
 from wsgen.launch.explain_missing import (
     EXECUTABLE_NOT_FOUND,
@@ -430,6 +432,17 @@ def _of_unset_variable(found: Explanation) -> Explanation | None:
     )
 
 
+def _last_printed() -> str:
+    """What the launch file has printed before it ended the program, on one line."""
+    sys.stdout.flush()
+    folder = scratch_folder()
+    try:
+        output = Path(folder, "output").read_bytes() if folder else b""
+    except OSError:
+        return ""
+    return " ".join(output.decode(errors="replace").split())[-BRIEF:]
+
+
 def _program_end(error: BaseException) -> Explanation | None:
     if isinstance(error, EOFError):
         prompt = " ".join((RECORD.prompt or "").split())
@@ -447,10 +460,15 @@ def _program_end(error: BaseException) -> Explanation | None:
             "Start other programs with ExecuteProcess; a launch file only describes what to start.",
         )
     if isinstance(error, (SystemExit, KeyboardInterrupt)):
+        printed = _last_printed()
+        said = f", and prints: {printed}" if printed else f": {type(error).__name__}({error})."
         return Explanation(
             EXITS,
-            f"The launch file ends the program: {type(error).__name__}({error}).",
-            "Raise an exception with a message instead of ending the program.",
+            f"The launch file ends the program{said}",
+            "Give the launch argument that it asks for. In the file, raise an exception with a "
+            "message instead of ending the program."
+            if "argument" in printed.lower()
+            else "Raise an exception with a message instead of ending the program.",
         )
     if isinstance(error, RecursionError):
         return Explanation(
