@@ -169,7 +169,7 @@ def test_a_part_of_a_mesh(read: Read, models: Path) -> None:
     assert link.visuals[0].geometry.part == ("door", True)
 
 
-@pytest.mark.parametrize("uri", ["no.stl", "model://no/x.stl", "https://x/y.stl", "", "a" * 5000])
+@pytest.mark.parametrize("uri", ["no.stl", "model://no/x.stl", "https://x/y.stl", "", "a" * 500])
 @pytest.mark.parametrize(
     ("tag", "code", "severity"),
     [("collision", "ROB060", Severity.ERROR), ("visual", "ROB061", Severity.WARNING)],
@@ -181,7 +181,7 @@ def test_meshes_that_are_not_there(
     file = read(model(f'{MASS}<{tag} name="c">{mesh}</{tag}><{tag} name="d">{mesh}</{tag}>'))
     (found,) = file.diagnostics  # one for both
     assert (found.code, found.severity, found.line) == (code, severity, 3)
-    assert f"`{uri}`"[:200] in found.message  # long ones are cut
+    assert f"`{uri}`" in found.message
     assert "link `l`" in found.message
 
 
