@@ -1701,9 +1701,9 @@ OTHERS: dict[str, Plant] = {
     "LCH097": Plant(
         file="scripts/talk.py",
         around=IN_NODE.replace("import Twist", "import Twist, TwistStamped"),
-        files=COMMANDED
-        | node("").files
-        | {
+        files={
+            **COMMANDED,
+            **node("").files,
             LAUNCH_FILE: WITH_SPAWNER,
             "config/controllers.yaml": DIFF_CONTROLLER + "diff_drive_controller:\n"
             "  ros__parameters:\n    left_wheel_names: [left_wheel_joint]\n"
@@ -1719,9 +1719,9 @@ OTHERS: dict[str, Plant] = {
         around=IN_NODE.replace(
             "import rclpy\n", "import rclpy\nfrom sensor_msgs.msg import LaserScan\n"
         ),
-        files=SIMULATED
-        | node("").files
-        | {
+        files={
+            **SIMULATED,
+            **node("").files,
             LAUNCH_FILE: GZ
             + CREATE
             + "Node(package='ros_gz_bridge', executable='parameter_bridge', arguments=["
