@@ -133,8 +133,10 @@ def _find_problem(
     """Say why `module:function` cannot be called, and what to do; None if it can, or is foreign."""
     module, _, function = (part.strip() for part in target.partition(":"))
     if not function:
-        return f"it does not name a function of {module}", f"Write {module}:main, if that is the "
-        "function."
+        return (
+            f"it does not name a function of {module}",
+            f"Write {module}:main, if that is the function.",
+        )
     path, top = module.replace(".", "/"), module.partition(".")[0]
     files = [root / name for root in roots for name in (f"{path}.py", f"{path}/__init__.py")]
     installed = next((file for file in files if file.is_file()), None)

@@ -500,8 +500,10 @@ def _problem_of(  # noqa: PLR0911  one for each problem
     if not module:
         return None
     if not function:
-        return f"it does not name a function of {module}", f"Write {module}:main, if that is the "
-        "function."
+        return (
+            f"it does not name a function of {module}",
+            f"Write {module}:main, if that is the function.",
+        )
     parent, _, base = module.rpartition(".")
     folder = packages.get(parent) if parent else None
     if folder is not None:
