@@ -99,7 +99,7 @@ def test_variables(tmp_path: Path, starter: Include | Process) -> None:
     assert f"no folder of {right} has the package" in found
     share = str(tmp_path / "2" / "install" / "looks" / "share")
     (found,) = check(tmp_path / "2", starter, environment={wrong: share})
-    assert f"it reads {right}, and not {wrong}" in found
+    assert f"it reads {right}, not {wrong}" in found
 
 
 def test_the_environment_of_a_process_counts(tmp_path: Path) -> None:

@@ -192,7 +192,7 @@ def test_a_robot_on_a_hull_is_told_why_engines_disagree() -> None:
     on_hull, disagree = simulated(OnHull(), "bowl", "ball", names=ALL).diagnostics
     assert on_hull.message.startswith("In PyBullet: The mesh of `l` touches `ball` 200 mm from")
     assert disagree.element == "ball"
-    assert disagree.message.startswith("MuJoCo and DART agree, PyBullet does not: in PyBullet it")
+    assert disagree.message.startswith("MuJoCo and DART agree, PyBullet differs: in PyBullet it")
     assert "rests-on-hull" in str(disagree.hint)
 
 

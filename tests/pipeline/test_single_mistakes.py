@@ -196,7 +196,7 @@ def test_what_is_lost_is_reported_with_the_cause(tmp_path: Path) -> None:
     assert found.hint == "Did you mean `value`?"
     assert found.message == (
         "`valeu` is not an attribute of <mass>: `value` is missing. Gazebo's parser stops reading "
-        "the link there and leaves out what follows: 1 visual and 1 collision."
+        "the link there and drops 1 visual and 1 collision."
     )
 
 

@@ -107,8 +107,8 @@ def test_what_is_not_named_is_not_judged() -> None:
 def test_a_diagnostic_names_what_was_wanted_and_where_that_is_written() -> None:
     (found,) = checked(STRAIGHT, (0.5, 0.0, -1e-9))
     assert found.message == (
-        "`does it`: after 2 s the robot is at x = 0.5 m, y = 0 m from where it began; "
-        "expected: x = 1 m, y = 0 m, within 0.1 m."
+        "`does it`: after 2 s the robot is at x = 0.5 m, y = 0 m from its start; expected: x = 1 "
+        "m, y = 0 m, within 0.1 m."
     )
     assert (found.file, found.line, found.severity) == (FILE, 7, Severity.ERROR)
     assert found.element == "behavior `does it`"
@@ -124,7 +124,7 @@ def test_a_diagnostic_names_what_was_wanted_and_where_that_is_written() -> None:
             replace(DRIVE, simulator="classic"),
             "wheel_diameter = 0.2 m: wheel_diameter = 0.4 m would",
         ),
-        (STRAIGHT, (0.0, 0.0, 0.0), DRIVE, "Do the wheels reach the ground"),
+        (STRAIGHT, (0.0, 0.0, 0.0), DRIVE, "Check whether the wheels reach the ground"),
         (STRAIGHT, (-1.0, 0.0, 0.0), DRIVE, "the other way"),
         (STRAIGHT, (1.0, 0.5, 0.0), DRIVE, "sizes in the plugin"),
         (replace(STRAIGHT, angular=0.1), (0.5, 0.0, 0.0), DRIVE, "sizes in the plugin"),
@@ -142,7 +142,12 @@ def test_a_diagnostic_names_what_was_wanted_and_where_that_is_written() -> None:
         (STRAIGHT, (0.1, 0.0, 0.0), SLIDING, "The wheels slip: their friction is 0.05. Give whe"),
         (STRAIGHT, (-0.002, 0.0, 0.0), SLIDING, "The wheels slip: their friction is 0.05."),
         (STRAIGHT, (-1.0, 0.0, 0.0), SLIDING, "the other way"),
-        (STRAIGHT, (0.5, 0.0, 0.0), SLIDING, "0.05 m would explain it, if the wheels do not slip"),
+        (
+            STRAIGHT,
+            (0.5, 0.0, 0.0),
+            SLIDING,
+            "0.05 m would explain this, if the wheels do not slip",
+        ),
         (TURN, (0.0, 0.0, 1.0), SLIDING, "0.8 m would fit, if the wheels do not slip: their fr"),
         (TURN, (0.0, 0.0, 0.9), DRIVE, "0.889 m would fit"),
         (TURN, (0.0, 0.0, 0.06), DRIVE, "The wheels slip, or are too weak: check"),
@@ -150,7 +155,7 @@ def test_a_diagnostic_names_what_was_wanted_and_where_that_is_written() -> None:
         (TURN, (0.0, 0.0, 0.0), SLIDING, "The wheels slip: their friction is 0.05."),
         (TURN, (0.0, 0.0, 6.0), DRIVE, "Check the sizes in the plugin"),
         (TURN, (0.0, 0.0, -2.0), DRIVE, "swap <left_joint> and <right_joint>"),
-        (TURN, (0.0, 0.0, 0.0), DRIVE, "brakes one side"),
+        (TURN, (0.0, 0.0, 0.0), DRIVE, "One side is braked"),
     ],
 )
 def test_what_would_explain_it(

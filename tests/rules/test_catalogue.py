@@ -85,7 +85,7 @@ def test_two_rules_of_one_code_or_name_are_refused() -> None:
         collect([rule, replace(rule, name="another")])
     with pytest.raises(ValueError, match="name of two"):
         collect([rule, replace(rule, code="PKG998")])
-    with pytest.raises(ValueError, match="no family"):
+    with pytest.raises(ValueError, match="not belong to a family"):
         collect([replace(rule, code="XYZ001")])
 
 

@@ -140,7 +140,7 @@ def test_parameters_that_may_be_right(more: str) -> None:
 def test_parameters_below_another_name() -> None:
     (found,) = check(SOUND.replace("/ns/drive:", "/ns/dribe:"))
     assert (found.code, found.line) == ("ROB113", 17)
-    assert found.hint == "Write `drive:` for `dribe:`, or give the type to `dribe` in line 8."
+    assert found.hint == "Rename `dribe:` to `drive:`, or set the type for `dribe` in line 8."
 
 
 def test_joints_and_interfaces_that_ros2_control_misspells_are_reported_there() -> None:

@@ -53,22 +53,22 @@ def test_a_direction_that_stays_with_the_robot() -> None:
 @pytest.mark.parametrize(
     ("about_the_wheel", "why"),
     [
-        (BESIDE.format(mu2=0), "no gz:expressed_in that Gazebo reads says which link it stays"),
-        (COPIED.format(where=""), "no gz:expressed_in that Gazebo reads says which link it stays"),
+        (BESIDE.format(mu2=0), "it lacks a gz:expressed_in that Gazebo reads"),
+        (COPIED.format(where=""), "it lacks a gz:expressed_in that Gazebo reads"),
         (
             COPIED.format(where='ignition:expressed_in="base_link"'),
             "gz:expressed_in names `base_link`, which is lumped into another link",
         ),
         (
             COPIED.format(where='gz:expressed_in="chassis"'),
-            "gz:expressed_in names `chassis`, which is no link of the robot",
+            "gz:expressed_in names `chassis`, which is not a link of the robot",
         ),
     ],
 )
 def test_a_direction_that_turns_with_the_wheel(about_the_wheel: str, why: str) -> None:
     (found,) = turning(about_the_wheel)
     assert found.code == "ROB141"
-    said = "The direction of the friction of `wheel` turns with it: "
+    said = "The friction direction of `wheel` turns with the wheel: "
     assert found.message.startswith(said + why)
     assert found.hint is not None
     assert '<fdir1 gz:expressed_in="base_footprint">' in found.hint
@@ -87,8 +87,8 @@ def test_engines_without_directions_are_named() -> None:
     assert list(friction_without_direction(lumped, ["mujoco"])) == []
     (found,) = friction_without_direction(lumped, ["bullet", "mujoco", "dart"])
     assert found.message == (
-        "PyBullet and DART have no friction with a direction (<fdir1>), which `wheel` of `r` has: "
-        "the robot does not go to the side."
+        "PyBullet and DART have no friction directions (<fdir1>), which `wheel` of `r` has: "
+        "the robot does not drive sideways."
     )
 
 

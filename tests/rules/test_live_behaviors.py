@@ -77,8 +77,8 @@ def test_a_robot_that_was_deleted_has_not_exploded_for_sure() -> None:
     behavior = Behavior(name="wanders", task=LaunchTask(), seconds=4.0)
     (found,) = check_live(behavior, LaunchTask(), measured(is_there=False), FILE)
     assert found.message == (
-        "`wanders`: after 4.00 simulated s: the robot is no longer in the world: a node has "
-        "deleted it, or it has exploded."
+        "`wanders`: after 4.00 simulated s: the robot is no longer in the world: a node deleted "
+        "it, or the simulation exploded."
     )
 
 

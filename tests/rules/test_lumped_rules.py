@@ -90,13 +90,13 @@ def test_a_light_link_that_carries_a_heavy_one() -> None:
     (found,) = ratios(chain(5.0, 0.01, 2.0))
     assert (found.code, found.severity, found.line) == ("ROB124", Severity.INFO, 4)
     assert found.element == "link[@name='l1']/inertial/mass"
-    assert "`l1` (0.01 kg) carries `l2` (2 kg) by the joint `l1_l2`" in found.message
+    assert "`l1` (0.01 kg) carries `l2` (2 kg) at the joint `l1_l2`" in found.message
     assert '<mass value="0.02"/>' in (found.hint or "")
     (found,) = ratios(chain(5.0, 0.01, 2.0, 0.001, 0.2))
     assert found.message.endswith("another link.")
     (found,) = ratios(chain(5.0, 0.01, 2.0, 0.001, 0.2, 1e-4, 0.1))
     assert found.line == 8
-    assert found.message.endswith("So do 2 other links.")
+    assert found.message.endswith("The same holds for 2 other links.")
 
 
 def test_masses_that_engines_take() -> None:

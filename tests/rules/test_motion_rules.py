@@ -60,9 +60,9 @@ def test_without_a_ground_plane_falling_is_what_counts(
 def test_why_it_falls() -> None:
     (without,) = rules.falls_without_end("r", 1.0, -43.04, has_ground=False, is_falling=True)
     (with_ground,) = rules.falls_without_end("r", 0.0, -44.04, has_ground=True, is_falling=True)
-    assert "by 44.0 m" in without.message
+    assert "is 44.0 m lower" in without.message
     assert "44.0 m below" in with_ground.message
-    assert "ground_plane" in (without.hint or "")
+    assert "a static model with a <plane>" in (without.hint or "")
     assert "<collision>" in (with_ground.hint or "")
 
 
@@ -204,10 +204,10 @@ def test_a_robot_that_leans() -> None:
     (high,) = rules.leans("r", math.radians(4.2), ["caster", "wheel"], heights)
     assert found([high]) == [("SPN067", Severity.WARNING)]
     assert "leans by 4.2 degrees. It rests on `caster`, `wheel`." in high.message
-    assert "Upright, `caster` ends 12 mm above" in (high.hint or "")
+    assert "`caster` is 12 mm above" in (high.hint or "")
     (even,) = rules.leans("r", math.radians(5), [*"abcdef"], dict.fromkeys("abcdef", 0.0))
     assert "`d` and 2 more." in even.message
-    assert "at one height" in (even.hint or "")
+    assert "at the same height" in (even.hint or "")
     (unread,) = rules.leans("r", math.radians(5), [], {})
     assert "rests" not in unread.message
 

@@ -146,7 +146,7 @@ def test_what_a_plugin_says_that_is_not_loaded_is_not_checked() -> None:
     ("left", "words"),
     [
         ("wheel_left_joint", "Did you mean"),
-        ("laser_joint", "Name a joint of this robot that moves."),
+        ("laser_joint", "Name a movable joint of this robot."),
     ],
 )
 def test_joints_that_a_plugin_does_not_find(left: str, words: str) -> None:

@@ -103,7 +103,7 @@ def test_a_sound_node(tmp_path: Path) -> None:
         ("scan.ranges", "scan.range", "PKG108", 23, "`ranges`"),
         ("odom.pose.pose.position", "odom.pose.position", "PKG108", 26, "odom.pose.pose.position"),
         ("response.success", "response.sucess", "PKG108", 29, "`success`"),
-        ("request.data", "request.value", "PKG108", 29, "It has data."),
+        ("request.data", "request.value", "PKG108", 29, "Its fields: data."),
         ("import math\n", "\n", "BLD073", 15, "import math"),
         ("from sensor_msgs.msg import LaserScan\n", "\n", "BLD073", 17, "sensor_msgs.msg import"),
         ("from rclpy.node import Node\n", "\n", "BLD073", 11, "from rclpy.node import Node"),

@@ -23,13 +23,13 @@ EMPTY = SearchPath(folders=(), reads_exports=True)
         (
             "gz",
             EMPTY._replace(reads_exports=False, has_exports=True),
-            "read by the launch file of ros_gz_sim alone",
+            "only the launch file of ros_gz_sim",
             "AppendEnvironmentVariable('GZ_SIM_RESOURCE_PATH', os.path.join(get_package_prefix(",
         ),
         (
             "gz",
             EMPTY._replace(set_in_vain="GAZEBO_MODEL_PATH"),
-            "it reads GZ_SIM_RESOURCE_PATH, and not GAZEBO_MODEL_PATH",
+            "it reads GZ_SIM_RESOURCE_PATH, not GAZEBO_MODEL_PATH",
             "export",
         ),
         ("gz", EMPTY._replace(folders=("/a",)), "no folder of GZ_SIM_RESOURCE_PATH has", "export"),

@@ -139,8 +139,8 @@ def wheel(radius: float, length: float = 0.1) -> Link:
     [
         (0.1, JointType.CONTINUOUS, None),
         (2.0, JointType.CONTINUOUS, None),  # five times the body: an odd robot
-        (10.0, JointType.CONTINUOUS, "if it is 10 cm, write 0.1."),
-        (100.0, JointType.CONTINUOUS, "if it is 100 mm, write 0.1."),
+        (10.0, JointType.CONTINUOUS, "for 10 cm, write 0.1."),
+        (100.0, JointType.CONTINUOUS, "for 100 mm, write 0.1."),
         (10.0, JointType.FIXED, None),  # the floor around a robot
     ],
 )

@@ -176,7 +176,7 @@ def test_two_of_one_name() -> None:
     gripper = replace(system(part("elbow", "velocity")), line=30)
     (found,) = [one for one in check(system(), gripper) if one.code == "ROB133"]
     assert (found.severity, found.line) == (Severity.ERROR, 30)
-    assert "in line 20 has the name `arm`" in found.message
+    assert "in line 20 also has the name `arm`" in found.message
     assert 'name="${prefix}arm"' in (found.hint or "")
     for other in (replace(gripper, name="gripper"), replace(gripper, name="")):
         several = check(system(), other)

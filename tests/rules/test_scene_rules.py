@@ -55,7 +55,7 @@ def test_the_robot_is_reported_to_be_in_the_static_model() -> None:
     seen_from_robot = [overlap("base", "l", entity="a_wall")]
     (found_in,) = rules.overlapping_robots("robot", seen_from_robot, {"a_wall", "b_wall"})
     assert found_in.element == "robot"
-    assert found_in.message.startswith("`robot` is spawned inside the model `a_wall`: ")
+    assert found_in.message.startswith("`robot` overlaps the model `a_wall` at its spawn: ")
     seen_from_wall = [overlap("l", "base", entity="robot"), overlap("l", "l", entity="b_wall")]
     (other,) = rules.overlapping_robots("a_wall", seen_from_wall, {"a_wall", "b_wall"})
     assert "`b_wall`" in other.message
@@ -160,9 +160,9 @@ MOVES = replace(STANDS, settled_after=None)
 @pytest.mark.parametrize(
     ("odd", "others"),
     [
-        ("bullet", "MuJoCo and DART agree, PyBullet does not: in PyBullet it"),
-        ("mujoco", "PyBullet and DART agree, MuJoCo does not: in MuJoCo it"),
-        ("dart", "PyBullet and MuJoCo agree, DART does not: in DART it"),
+        ("bullet", "MuJoCo and DART agree, PyBullet differs: in PyBullet it"),
+        ("mujoco", "PyBullet and DART agree, MuJoCo differs: in MuJoCo it"),
+        ("dart", "PyBullet and MuJoCo agree, DART differs: in DART it"),
     ],
 )
 def test_of_three_engines_the_one_that_differs_is_named(odd: str, others: str) -> None:
@@ -195,17 +195,17 @@ def test_engines_that_differ_are_compared_with_one_in_which_the_robot_rests() ->
 def test_two_of_three_engines_that_nearly_agree() -> None:
     runs = {"bullet": STANDS, "mujoco": rests_at(0.24), "dart": rests_at(0.1)}
     assert disagreement(**runs) == (
-        "PyBullet and MuJoCo nearly agree, DART does not: in DART it rests 150 mm lower "
+        "PyBullet and MuJoCo nearly agree, DART differs: in DART it rests 150 mm lower "
         "(z = 0.100 m instead of 0.250 m)."
     )
     assert disagreement(**{**runs, "bullet": MOVES, "dart": STANDS}) == (
-        "MuJoCo and DART nearly agree, PyBullet does not: in PyBullet it does not come to rest."
+        "MuJoCo and DART nearly agree, PyBullet differs: in PyBullet it does not come to rest."
     )
 
 
 def test_an_engine_between_two_that_disagree() -> None:
     assert disagreement(bullet=STANDS, mujoco=rests_at(0.242), dart=rests_at(0.246)) == (
-        "PyBullet and MuJoCo disagree, DART is between them: in MuJoCo it rests 8 mm lower "
+        "PyBullet and MuJoCo disagree; DART is between them: in MuJoCo it rests 8 mm lower "
         "(z = 0.242 m instead of 0.250 m)."
     )
 
@@ -231,7 +231,7 @@ def test_all_differences_are_reported_together() -> None:
 @pytest.mark.parametrize(
     ("run", "has_passive_joints", "words"),
     [
-        (LOWER, False, "one that stands should not"),
+        (LOWER, False, "differences are normal"),
         (LOWER, True, "unactuated joints"),
         (MOVES, False, "--seconds 10"),
         (replace(LOWER, penetration=0.1), True, "Spawn it above the ground"),
@@ -263,5 +263,5 @@ def test_whatever_three_engines_say_the_verdict_is_about_those_that_differ(
         assert all(name in verdict for name in ("PyBullet", "MuJoCo", "DART"))
         if len(alone) == 1:  # the others are the same
             odd = name_engines([engines[runs.index(alone[0])]])
-            assert verdict.endswith(f" agree, {odd} does not")
+            assert verdict.endswith(f" agree, {odd} differs")
             assert details.startswith(f"in {odd} it ")

@@ -137,7 +137,7 @@ def test_of_two_plugins_that_of_the_simulator_counts() -> None:
     other = find_diff_drive(robot((CLASSIC, JOINTS)), simulator="gz")
     assert isinstance(other, NoDrive)
     assert other.reason == (
-        "its diff drive plugin is for Gazebo Classic, and the launch file starts Gazebo Sim"
+        "its diff drive plugin is for Gazebo Classic, but the launch file starts Gazebo Sim"
     )
 
 

@@ -233,7 +233,7 @@ def test_what_cannot_be_read_ends_the_link() -> None:
     assert (len(read.visuals), len(read.collisions)) == (1, 0)
     (only,) = found
     assert only.code == "ROB024"
-    assert only.message.endswith("leaves out what follows: 2 visuals and 1 collision.")
+    assert only.message.endswith("drops 2 visuals and 1 collision.")
 
 
 @pytest.mark.parametrize(
@@ -254,7 +254,7 @@ def test_what_is_left_of_an_inertial(inertial: str, mass: float | None) -> None:
     assert (read.inertial.mass if read.inertial else None) == mass
     assert read.inertial is None or read.inertial.inertia == (0.0,) * 6
     assert read.collisions == ()
-    assert "leaves out what follows: 1 collision." in found[0].message
+    assert "drops 1 collision." in found[0].message
 
 
 def test_a_mirrored_mesh_can_be_seen() -> None:
@@ -341,11 +341,11 @@ XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
     ("body", "code", "severity", "lost"),
     [
         (f'<xacro:macro {XACRO} name="w"><link name="${{p}}w"/></xacro:macro>', "ROB143",
-         "warning", "adds nothing to the robot by itself"),
-        (f'<xacro:property {XACRO} name="x" value="1"/>', "ROB143", "warning", "adds nothing"),
+         "warning", "does not add anything to the robot by itself"),
+        (f'<xacro:property {XACRO} name="x" value="1"/>', "ROB143", "warning", "not add anything"),
         (f'<xacro:include {XACRO} filename="wheels.xacro"/>', "ROB143", "error",
-         "what the file `wheels.xacro` adds is missing"),
-        (f'<xacro:wheel {XACRO} side="left"/>', "ROB143", "error", "adds to the robot is missing"),
+         "the content of the file `wheels.xacro` is missing"),
+        (f'<xacro:wheel {XACRO} side="left"/>', "ROB143", "error", "to the robot are missing"),
         (f'<xacro:if {XACRO} value="1"><link name="b"/><joint name="j"/></xacro:if>',
          "ROB143", "error", "the 1 link and 1 joint in it are missing"),
         ('<gazebo><plugin filename="a.so" name="a"><ns>$(arg ns)</ns></plugin></gazebo>',
@@ -370,11 +370,11 @@ def test_what_is_left_of_xacro_says_what_is_lost(
     [
         (robot(link("a"), name="${name}"), "warning", "takes it as it is"),
         (robot(link("${p}a")), "warning", "takes it as it is"),
-        (robot(link("a", MASS.replace('"1"', '"${m}"', 1))), "error", "leaves out the <inertial>"),
+        (robot(link("a", MASS.replace('"1"', '"${m}"', 1))), "error", "drops the <inertial>"),
         (
             robot(link("a", MASS + shape("collision", '<sphere radius="${r}"/>'))),
             "error",
-            "leaves out collisions",
+            "drops collisions",
         ),
         (
             robot(TWO + joint("j", "a", "b", '<origin xyz="${x} 0 0"/>')),

@@ -96,23 +96,23 @@ def _check_measured(
 def why_not_driven(measured: LiveMeasurement) -> str:
     """Where to look for what has not moved the robot."""
     return (
-        "Run the launch file, and look at what its nodes print and publish: wsgen launch "
+        "Run the launch file, and check what its nodes print and publish: wsgen launch "
         f"{measured.launched} --run, wsgen topic echo /cmd_vel."
     )
 
 
 # The simulator takes a robot out that has exploded, and says so; nodes delete robots by services.
-GONE = "the robot is no longer in the world: a node has deleted it, or it has exploded"
+GONE = "the robot is no longer in the world: a node deleted it, or the simulation exploded"
 
 
 LAUNCH_FAILS = Rule(
     code="SPN099",
     name="launch-fails",
     severity=Severity.ERROR,
-    summary="The launch file does not run to the end of a behavior.",
-    what="Runs the launch file with its nodes for behaviors with `run = true`, and looks at how "
-    "processes end, and whether all robots come into the world and stay there.",
-    why="On the robot the node would be missing, too.",
+    summary="The launch file or its robots fail before the end of a behavior.",
+    what="For behaviors with `run = true`, runs the launch file with its nodes; reports processes "
+    "that fail, and robots that are not spawned or disappear.",
+    why="The node would also fail on the real robot.",
     example="speed = 1.0 / clearance  # that is 0",
     instead="speed = 1.0 / max(clearance, 0.1)",
 )
@@ -126,8 +126,8 @@ def launch_fails(behavior: Behavior, measured: LiveMeasurement, file: Path) -> I
         behavior,
         file,
         f"after {measured.seconds:.2f} simulated s: {problem[:1].lower()}{problem[1:]}.",
-        "Correct the node, or the launch file, and run `wsgen build`; all that is printed is shown "
-        f"by: wsgen launch {measured.launched} --run",
+        "Correct the node or the launch file, then run `wsgen build`. To see the whole output, "
+        f"run: wsgen launch {measured.launched} --run",
     )
 
 
@@ -136,9 +136,9 @@ TIPS_OVER_IN_RUN = Rule(
     name="tips-over-in-run",
     severity=Severity.ERROR,
     summary="A robot tips over while its launch file runs.",
-    what="Compares what was up in the robot when it was spawned with what is up at the end of a "
-    "behavior with `run = true`.",
-    why="The nodes drive it over something, or brake it too hard.",
+    what="Compares the up axis of the robot at the end of a behavior with `run = true` with that "
+    "at its spawn.",
+    why="The nodes drive the robot over an obstacle, or brake it too hard.",
     example="velocity.linear.x = 5.0",
     instead="velocity.linear.x = 0.5",
 )
@@ -152,7 +152,7 @@ def tips_over_in_run(behavior: Behavior, tilt: float, file: Path) -> Iterator[Di
             behavior,
             file,
             f"after {behavior.seconds:g} s the robot leans by {math.degrees(tilt):.0f} degrees.",
-            "Have it drive more slowly, and accelerate less; lower its center of mass.",
+            "Reduce its speed and acceleration, or lower its center of mass.",
         )
 
 
@@ -161,7 +161,7 @@ WAY_TOO_SHORT = Rule(
     name="way-too-short",
     severity=Severity.ERROR,
     summary="A robot travels less far than its behavior says while its launch file runs.",
-    what="Adds up the way of the root link, and compares it with `travels`.",
+    what="Adds up the distance that the root link travels, and compares it with `travels`.",
     why="No node drives the robot, or it is stuck.",
     example="self.create_publisher(Twist, 'cmd_vell', 10)",
     instead="self.create_publisher(Twist, 'cmd_vel', 10)",
@@ -187,10 +187,10 @@ LAUNCH_NOT_RUN = Rule(
     code="SPN102",
     name="launch-not-run",
     severity=Severity.WARNING,
-    severity_varies="an info of commands that run no nodes",
+    severity_varies="information from commands that do not run nodes",
     summary="A behavior with `run = true` is left out: its launch file cannot be run here.",
-    what="Looks for ROS, sourced or that of `wsgen[ros]`, and whether the command runs nodes.",
-    why="What the nodes do is not checked.",
+    what="Looks for ROS (sourced, or from `wsgen[ros]`), and whether the command runs nodes.",
+    why="The behavior of the nodes is not checked.",
     example="pip install wsgen",
     instead="pip install 'wsgen[ros]'",
 )
@@ -214,9 +214,10 @@ POSITION_NOT_REACHED = Rule(
     code="SPN085",
     name="position-not-reached",
     severity=Severity.ERROR,
-    summary="A robot that is driven does not get where its behavior says.",
+    summary="A driven robot does not reach the position in its behavior.",
     what="Drives the robot through its plugin, or runs the launch file (`run = true`), and "
-    "compares where it gets with `moved`. The difference may be `tolerance` times the way.",
+    "compares its final position with `moved`. The difference may be `tolerance` times the "
+    "distance.",
     why="Odometry and navigation rely on the sizes in the plugin: they would be wrong by as much.",
     example="<wheel_radius>0.2</wheel_radius>  <!-- of a wheel with a radius of 0.1 m -->",
     instead="<wheel_radius>0.1</wheel_radius>",
@@ -251,7 +252,7 @@ def position_not_reached(  # noqa: PLR0913  what is compared, and what is said
             behavior,
             file,
             f"after {behavior.seconds:g} s the robot is at x = {_short(x)} m, y = {_short(y)} m "
-            f"from where it began; expected: {wanted}, within {slack:.2g} m.",
+            f"from its start; expected: {wanted}, within {slack:.2g} m.",
             hint or _why_slipping(drive, x, task.x) or _why_position_not_reached(task, x, drive),
         )
 
@@ -260,10 +261,10 @@ HEADING_NOT_REACHED = Rule(
     code="SPN086",
     name="heading-not-reached",
     severity=Severity.ERROR,
-    summary="A robot that is driven does not turn as its behavior says.",
+    summary="A driven robot does not turn by the angle in its behavior.",
     what="Drives the robot through its plugin, or runs the launch file (`run = true`), and "
-    "compares how far it turns with the `yaw` of `moved`. The difference may be `tolerance` times "
-    "the angle.",
+    "compares its rotation with the `yaw` of `moved`. The difference may be `tolerance` times the "
+    "angle.",
     why="Odometry and navigation rely on the sizes in the plugin: they would be wrong by as much.",
     example="<wheel_separation>0.8</wheel_separation>  <!-- between the outer sides -->",
     instead="<wheel_separation>0.6</wheel_separation>  <!-- between the contacts -->",
@@ -300,9 +301,9 @@ JOINT_NOT_REACHED = Rule(
     code="SPN087",
     name="joint-not-reached",
     severity=Severity.ERROR,
-    summary="A joint is not where its behavior sends it.",
-    what="Sends joints to positions, or runs the launch file (`run = true`), and compares where "
-    "they are at the end. They are as strong and as fast as their limits say.",
+    summary="A joint does not reach the position in its behavior.",
+    what="Sends joints to positions, or runs the launch file (`run = true`), and compares their "
+    "final positions. Their strength and speed are those of their limits.",
     why="The arm hangs, or moves more slowly than a motion planner assumes.",
     example='<limit lower="-1.57" upper="1.57" effort="0.1" velocity="1"/>',
     instead='<limit lower="-1.57" upper="1.57" effort="20" velocity="1"/>',
@@ -310,8 +311,8 @@ JOINT_NOT_REACHED = Rule(
 
 
 WHY_JOINTS_NOT_REACHED = (
-    "Raise `effort` in the <limit> of joints that carry much, or `velocity` of joints that are "
-    "late, or `seconds`; check whether the robot runs into something."
+    "In the <limit> of these joints raise `effort` (too weak) or `velocity` (too slow), or raise "
+    "`seconds` of the behavior; check whether the robot collides with something."
 )
 
 
@@ -365,7 +366,7 @@ def behavior_explodes(behavior: Behavior, file: Path) -> Iterator[Diagnostic]:
         behavior,
         file,
         "the robot's pose became infinite or not-a-number.",
-        "Check masses, inertias and the limits of effort: use SI units, none zero or huge.",
+        "Check masses, inertias and effort limits: use SI units, and no zero or huge values.",
     )
 
 
@@ -413,7 +414,7 @@ NO_DIFF_DRIVE = Rule(
     code="SPN081",
     name="no-diff-drive",
     severity=Severity.ERROR,
-    summary="A behavior drives a robot that has no diff drive plugin.",
+    summary="A behavior drives a robot without a diff drive plugin.",
     why="In Gazebo the robot would not follow `/cmd_vel` either.",
     example="<gazebo/>",
     instead="""
@@ -432,8 +433,8 @@ UNUSABLE_DIFF_DRIVE = Rule(
     name="unusable-diff-drive",
     severity=Severity.ERROR,
     summary="A behavior drives a robot whose diff drive plugin does not work.",
-    what="Compares the joints that the plugin names with those of the robot, and looks for its "
-    "sizes.",
+    what="Compares the joints in the plugin with those of the robot, and checks that its sizes are "
+    "given.",
     why="In Gazebo the robot would not follow `/cmd_vel` either.",
     example="<left_joint>wheel_letf</left_joint>",
     instead="<left_joint>wheel_left</left_joint>",
@@ -454,8 +455,8 @@ UNKNOWN_BEHAVIOR_JOINT = Rule(
     severity=Severity.ERROR,
     summary="A behavior names a joint that does not exist or takes no commands.",
     what="Compares `joints` with the joints of the robot that Gazebo builds: revolute, continuous "
-    "and prismatic joints that mimic no other joint take commands. With `run = true` nothing is "
-    "sent to joints: those that mimic others are measured, too.",
+    "and prismatic joints take commands unless they mimic another joint. With `run = true` no "
+    "commands are sent, and joints that mimic others are measured, too.",
     why="The behavior is not simulated.",
     example="joints = { shouder = 0.5 }",
     instead="joints = { shoulder = 0.5 }",
@@ -496,7 +497,7 @@ COMMAND_BEYOND_LIMIT = Rule(
     code="SPN084",
     name="command-beyond-limit",
     severity=Severity.ERROR,
-    summary="A behavior wants to have a joint beyond its limits.",
+    summary="A behavior sends a joint beyond its limits.",
     what="Compares the positions of `joints` with the limits in the description.",
     why="The joint cannot get there; ros2_control refuses or clamps such a command.",
     example="joints = { shoulder = 3.0 }  # upper limit: 1.57",
@@ -524,7 +525,7 @@ def command_beyond_limit(
                 if is_measured
                 else f"the joint `{joint.name}` is sent to {position:g}, beyond its limits "
                 f"{limit.lower:g} and {limit.upper:g}.",
-                "Choose a position between them, or change the <limit> of the joint.",
+                "Choose a position between the limits, or change the <limit> of the joint.",
             )
 
 
@@ -532,7 +533,7 @@ def _why_position_not_reached(task: Drive, x: float, drive: DiffDrive | None) ->
     """A guess where more than the size of the wheels can be the reason."""
     usual = "Check the sizes in the plugin, the axes, and the friction of wheels and casters."
     if abs(x) < SEEN or not task.x or drive is None:
-        return f"Do the wheels reach the ground, and are they strong enough? {usual}"
+        return f"Check whether the wheels reach the ground and are strong enough. {usual}"
     if x * task.x < 0:
         return "It moved the other way: reverse the <axis> of the wheels' joints."
     if task.angular:
@@ -542,8 +543,8 @@ def _why_position_not_reached(task: Drive, x: float, drive: DiffDrive | None) ->
         return f"The plugin limits {task.linear:g} m/s."
     return _why_by_size(
         x / task.x,
-        f"{_size_in_plugin(drive, radius)}: {_size(drive, radius * x / task.x)} would explain it, "
-        f"if the wheels {_unless_slipping(drive) or 'are strong enough'}."
+        f"{_size_in_plugin(drive, radius)}: {_size(drive, radius * x / task.x)} would explain "
+        f"this, if the wheels {_unless_slipping(drive) or 'are strong enough'}."
         if not 1 / ALIKE < x / task.x < ALIKE
         else usual,
         usual,
@@ -553,8 +554,8 @@ def _why_position_not_reached(task: Drive, x: float, drive: DiffDrive | None) ->
 def _why_heading_not_reached(task: Drive, turned: float, drive: DiffDrive | None) -> str:
     if drive is None or not task.yaw or abs(turned) < SEEN:
         return (
-            "Something brakes one side: check the friction of casters, and whether both wheels "
-            "touch the ground."
+            "One side is braked: check the friction of casters, and whether both wheels touch the "
+            "ground."
         )
     if turned * task.yaw < 0:
         return "It turned the other way: swap <left_joint> and <right_joint>."

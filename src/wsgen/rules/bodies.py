@@ -83,11 +83,11 @@ CENTER_OF_MASS_OUTSIDE = Rule(
     name="center-of-mass-outside",
     severity=Severity.WARNING,
     summary="The center of mass of a link is far from its shapes.",
-    what="Compares `<origin>` of `<inertial>` with the box around the shapes of the link; reports "
-    "centers that are farther away than twice the diagonal of the box. Links that fixed joints "
-    "attach to others are left alone.",
-    why="The robot tips over, or its joints swing. Usually the origin is in millimeters, or in "
-    "another frame than that of the link.",
+    what="Compares `<origin>` of `<inertial>` with the bounding box of the shapes of the link; "
+    "reports distances above twice the diagonal of the box. Links that fixed joints attach to "
+    "others are not checked.",
+    why="The robot tips over, or its joints swing. Usually the origin is in millimeters, or not in "
+    "the frame of the link.",
     example="""
 <inertial>
   <origin xyz="12 0 35"/>
@@ -106,11 +106,12 @@ IMPLAUSIBLE_DENSITY = Rule(
     code="ROB118",
     name="implausible-density",
     severity=Severity.WARNING,
-    severity_varies="a note about a body lighter than air; an error where its run fails",
+    severity_varies="information about a body lighter than air; an error where its simulation "
+    "fails",
     summary="A link is denser than any material, or lighter than air.",
-    what="Divides the mass by the volume of the primitive shapes, or of the box around all shapes; "
-    "reports more than 25,000 and less than 0.5 kg/m³.",
-    why="The mass is probably in grams, or a shape in millimeters. Joints between very light and "
+    what="Divides the mass by the volume of the primitive shapes, or of the bounding box of all "
+    "shapes; reports more than 25,000 and less than 0.5 kg/m³.",
+    why="Usually the mass is in grams, or a shape is in millimeters. Joints between very light and "
     "very heavy parts shake.",
     example="""
 <inertial><mass value="500"/>…</inertial>
@@ -174,7 +175,7 @@ def _inertia_of_several(link: Link, extent: Extent, file: Path | None) -> Iterat
             f"link[@name='{link.name}']/inertial/inertia",
             message=f"The inertia of the link `{link.name}` ({largest:.4g} kg m²) is "
             f"{ratio(times)} that of a box of {edges} m around its shapes of {inertial.mass:g} kg.",
-            hint=f"For a homogeneous box: {as_attributes(solid)} (kg m², the products 0).",
+            hint=f"If mass and shapes are right, write {as_attributes(solid)} (kg m², products 0).",
             severity=Severity.INFO if 1 < times <= MOST_INERTIA[1] else Severity.WARNING,
         )
 
@@ -197,8 +198,8 @@ def _density(link: Link, file: Path | None) -> Iterator[Diagnostic]:
             link.line,
             f"link[@name='{link.name}']/inertial/mass",
             message=f"The link `{link.name}` weighs {mass:g} kg in {volume * 1000:.3g} liters: "
-            + ("no material is so heavy." if is_heavy else "it is lighter than air."),
-            hint="Masses are in kilograms, and sizes in meters.",
+            + ("no material is this dense." if is_heavy else "it is lighter than air."),
+            hint="Write the mass in kilograms and the sizes of the shapes in meters.",
             severity=Severity.WARNING if is_heavy else Severity.INFO,
         )
 
@@ -207,11 +208,11 @@ UNLIKE_SHAPES = Rule(
     code="ROB119",
     name="unlike-shapes",
     severity=Severity.WARNING,
-    summary="The visual and the collision of a link differ in size like meters and millimeters.",
-    what="Compares the boxes around the visuals and around the collisions of a link; reports those "
-    "of which one is 500 to 2000 times as large as the other.",
-    why="One of the two is in another unit: in RViz the robot looks right, and in Gazebo it "
-    "collides with everything, or falls through the ground.",
+    summary="The visual and the collision of a link differ in size by a factor of about 1000.",
+    what="Compares the bounding boxes of the visuals and of the collisions of a link; reports "
+    "factors between 500 and 2000.",
+    why="One of the two is in another unit: the robot looks right in RViz, but in Gazebo it "
+    "collides with everything or falls through the ground.",
     example="""
 <visual><geometry><mesh filename="…/base.stl" scale="0.001 0.001 0.001"/></geometry></visual>
 <collision><geometry><mesh filename="…/base.stl"/></geometry></collision>
@@ -243,8 +244,7 @@ def unlike_shapes(link: Link, file: Path | None) -> Iterator[Diagnostic]:
         f"link[@name='{link.name}']/{kind}",
         message=f"The {kind} of the link `{link.name}` measures {large:.3g} m, its {other} "
         f"{small:.3g} m.",
-        hint="Sizes are in meters: of a mesh in millimeters write "
-        '<mesh … scale="0.001 0.001 0.001"/>.',
+        hint='Use meters: for a mesh in millimeters, write <mesh … scale="0.001 0.001 0.001"/>.',
     )
 
 
@@ -303,7 +303,7 @@ WHEEL_WITHOUT_COLLISION = Rule(
     what="Looks for links with a `<visual>` and without `<collision>` at the end of a continuous "
     "or fixed joint, with `wheel`, `tire` or `caster` in a name, where other links have a "
     "collision.",
-    why="The wheel sinks into the ground and drives nothing: the robot stands on its body.",
+    why="The wheel sinks into the ground and does not drive the robot, which stands on its body.",
     example="""
 <link name="left_wheel">
   <visual><geometry><cylinder radius="0.1" length="0.04"/></geometry></visual>
@@ -350,8 +350,8 @@ PRESERVED_MOVABLE_JOINT = Rule(
     name="preserved-movable-joint",
     severity=Severity.INFO,
     summary="`<preserveFixedJoint>` is set for a joint that is not fixed.",
-    why="Gazebo lumps fixed joints only: on any other joint the setting has no effect. Usually the "
-    "wrong joint is named.",
+    why="Gazebo lumps only fixed joints: the setting has no effect on other joints. Usually it "
+    "names the wrong joint.",
     example='<joint name="wheel_joint" type="continuous">…</joint>\n'
     '<gazebo reference="wheel_joint"><preserveFixedJoint>true</preserveFixedJoint></gazebo>',
     instead='<joint name="camera_joint" type="fixed">…</joint>\n'
@@ -372,7 +372,7 @@ def preserved_movable_joint(
                 tag.line,
                 f"gazebo[@reference='{tag.reference}']/{keys[0]}",
                 message=f"<{keys[0]}> has no effect: the joint `{tag.reference}` is not fixed.",
-                hint="Name the fixed joint that Gazebo should keep, or remove it.",
+                hint="Name the fixed joint that Gazebo should keep, or remove the element.",
             )
 
 
@@ -382,11 +382,11 @@ SLIPPERY_WHEEL = Rule(
     code="ROB122",
     name="slippery-wheel",
     severity=Severity.WARNING,
-    severity_varies="a note about a wheel that no plugin drives",
+    severity_varies="information about a wheel that no plugin drives",
     summary="A wheel has no friction.",
     what="Looks for `<mu1>` or `<mu2>` below 0.001 on the links of the joints that a drive turns, "
-    "and of continuous joints with `wheel` in a name. Casters may have none, and mecanum wheels "
-    "one of the two, with an `<fdir1>` oblique to the axis.",
+    "and of continuous joints with `wheel` in a name. Casters may have no friction; mecanum wheels "
+    "may have one of the two coefficients at 0, with an `<fdir1>` oblique to the axis.",
     why="The wheel spins and the robot stays where it is.",
     example='<gazebo reference="left_wheel">\n  <mu1>0</mu1>\n  <mu2>0</mu2>\n</gazebo>',
     instead='<gazebo reference="left_wheel">\n  <mu1>1.0</mu1>\n  <mu2>1.0</mu2>\n</gazebo>',
@@ -453,10 +453,10 @@ STICKY_WHEEL = Rule(
     code="ROB129",
     name="sticky-wheel",
     severity=Severity.INFO,
-    summary="A wheel has a friction that no tire has.",
+    summary="The friction coefficient of a wheel is too large.",
     what="Looks for `<mu1>` or `<mu2>` above 100 on the links of the joints that a drive turns.",
-    why="The coefficient of a tire is about 1, and the engine can hold the wheel by any force: a "
-    "robot that turns on the spot jerks, tips over or stands still, as its wheels cannot slide.",
+    why="The coefficient of a real tire is about 1. With a huge one the wheels cannot slide: a "
+    "robot that turns on the spot jerks, tips over or stands still.",
     example='<gazebo reference="left_wheel">\n  <mu1>200000</mu1>\n  <mu2>200000</mu2>\n</gazebo>',
     instead='<gazebo reference="left_wheel">\n  <mu1>1.0</mu1>\n  <mu2>1.0</mu2>\n</gazebo>',
 )
@@ -476,13 +476,15 @@ def sticky_wheels(
     if found:
         tag, key, text = found[0]
         others = len({one.reference for one, _, _ in found}) - 1
-        more = f" So {'has' if others == 1 else 'have'} {others} more." if others else ""
+        more = (
+            f" {others} more {'has' if others == 1 else 'have'} the same problem." if others else ""
+        )
         yield STICKY_WHEEL.at(
             file,
             tag.line,
             f"gazebo[@reference='{tag.reference}']/{key}",
-            message=f"The wheel `{tag.reference}` has a friction of {text} (<{key}>), and a tire "
-            f"one of about 1.{more}",
+            message=f"The wheel `{tag.reference}` has a friction of {text} (<{key}>); that of a "
+            f"real tire is about 1.{more}",
             hint=f"Write <{key}>1.0</{key}>.",
         )
 
@@ -494,10 +496,10 @@ DRAGGING_CASTER = Rule(
     name="dragging-caster",
     severity=Severity.INFO,
     summary="A caster that cannot turn has the friction of a tire.",
-    what="Looks, beside wheels that a drive turns, for links with `caster` in their names on fixed "
-    "joints, with a `<collision>` and without `<mu1>` and `<mu2>`.",
-    why="Gazebo gives a collision a friction of 1. The caster drags over the ground: the robot "
-    "turns slower than its odometry says, and drives off a straight line.",
+    what="In robots with driven wheels, looks for links with `caster` in their names on fixed "
+    "joints, with a `<collision>` but without `<mu1>` and `<mu2>`.",
+    why="The default friction in Gazebo is 1. The caster drags over the ground: the robot turns "
+    "more slowly than its odometry says, and does not drive straight.",
     example='<joint name="caster_joint" type="fixed">…</joint>\n<link name="caster">'
     "<collision>…</collision></link>",
     instead='<gazebo reference="caster">\n  <mu1>0.001</mu1>\n  <mu2>0.001</mu2>\n</gazebo>',

@@ -25,10 +25,10 @@ INVALID_BRIDGE = Rule(
     code="LCH072",
     name="invalid-bridge",
     severity=Severity.ERROR,
-    summary="`parameter_bridge` does not understand one of its arguments, or is given no topics.",
+    summary="An argument of `parameter_bridge` is not valid, or it has no topics.",
     what="Reads `TOPIC@ROS_TYPE[GZ_TYPE`, where the bracket is `[` from Gazebo to ROS, `]` from "
     "ROS to Gazebo, or `@` for both.",
-    why="`parameter_bridge` prints how it is used and ends: it bridges no topic at all.",
+    why="`parameter_bridge` prints its usage and exits: it does not bridge any topic.",
     example="arguments=['/scan@sensor_msgs/msg/LaserScan']",
     instead="arguments=['/scan@sensor_msgs/msg/LaserScan[gz.msgs.LaserScan']",
 )
@@ -37,10 +37,10 @@ UNKNOWN_BRIDGE_TYPE = Rule(
     name="unknown-bridge-type",
     severity=Severity.ERROR,
     summary="A bridge names a type that does not exist, or two types that do not match.",
-    what="Compares the types with those that `ros_gz_bridge` converts. Types of packages that it "
-    "does not know are not reported: a bridge of somebody's own may have them.",
-    why="The bridge prints that it failed to create a bridge for the topic, and goes on without "
-    "it: no message arrives.",
+    what="Compares the types with those that `ros_gz_bridge` converts. Types of other packages are "
+    "not reported: a user-defined bridge may have them.",
+    why="`parameter_bridge` prints that it failed to create a bridge for the topic, and continues "
+    "without it: no message arrives.",
     example="arguments=['/imu@sensor_msgs/msg/Imu[gz.msgs.Imu']",
     instead="arguments=['/imu@sensor_msgs/msg/Imu[gz.msgs.IMU']",
 )
@@ -51,7 +51,7 @@ INVALID_BRIDGE_ENTRY = Rule(
     severity_varies="a warning about a key that the bridge ignores",
     summary="An entry in the YAML file of a bridge is incomplete or has an unknown key.",
     what="Reads the `config_file` of `ros_gz_bridge`, a list with a mapping for each topic.",
-    why="The bridge prints that it could not parse the entry, and goes on without it.",
+    why="The bridge prints that it could not parse the entry, and continues without it.",
     example='- ros_topic_name: "scan"\n  gz_type: "gz.msgs.LaserScan"\n'
     '  ros_type_name: "sensor_msgs/msg/LaserScan"',
     instead='- ros_topic_name: "scan"\n  gz_topic_name: "scan"\n'
@@ -62,9 +62,9 @@ BRIDGE_DIRECTION = Rule(
     code="LCH075",
     name="wrong-bridge-direction",
     severity=Severity.WARNING,
-    summary="A bridge carries messages the wrong way.",
-    what="Compares the direction with what a plugin or a sensor does with the topic: commands go "
-    "to Gazebo; the clock, odometry and sensor data come from it.",
+    summary="A bridge passes messages in the wrong direction.",
+    what="Compares the direction with that of the plugin or sensor at the topic: commands go to "
+    "Gazebo; the clock, odometry and sensor data come from Gazebo.",
     why="No message arrives, without any error.",
     example="arguments=['/clock@rosgraph_msgs/msg/Clock]gz.msgs.Clock']",
     instead="arguments=['/clock@rosgraph_msgs/msg/Clock[gz.msgs.Clock']",
@@ -73,10 +73,10 @@ UNKNOWN_BRIDGE_TOPIC = Rule(
     code="LCH076",
     name="unknown-bridge-topic",
     severity=Severity.WARNING,
-    summary="A bridge names a topic of Gazebo that nothing in the robot or the world has.",
+    summary="A bridge names a Gazebo topic that does not exist in the robot or the world.",
     what="Compares the topics with those of the plugins and sensors that are spawned, with their "
-    "default names. Only a topic that is nearly one of these is reported, or one that is "
-    "below a world or a model of another name.",
+    "default names. Only topics that look like a misspelling of one of these are reported, and "
+    "those of a world or a model with another name.",
     why="No message arrives, without any error.",
     example="# the world is named `office`\n"
     "arguments=['/world/default/model/r/joint_state@sensor_msgs/msg/JointState[gz.msgs.Model']",
@@ -87,8 +87,8 @@ OTHER_BRIDGE_TYPE = Rule(
     code="LCH077",
     name="other-bridge-type",
     severity=Severity.WARNING,
-    summary="A bridge names another type than the plugin or sensor at its topic has.",
-    why="Gazebo delivers no message of another type, without any error.",
+    summary="A bridge and the plugin or sensor at its topic have different types.",
+    why="Gazebo does not deliver messages of another type, and prints no error.",
     example="# /odom of the diff drive plugin is gz.msgs.Odometry\n"
     "arguments=['/odom@geometry_msgs/msg/Pose[gz.msgs.Pose']",
     instead="arguments=['/odom@nav_msgs/msg/Odometry[gz.msgs.Odometry']",
@@ -315,7 +315,7 @@ def _meant_ros_type(written: str, gz_name: str) -> str | None:
 
 
 def _unknown_type(bridge: Bridge, written: str, meant: str) -> Diagnostic:
-    return _at(bridge, f"`{written}` is not a type that ros_gz_bridge knows.", did_you_mean(meant))
+    return _at(bridge, f"ros_gz_bridge does not know the type `{written}`.", did_you_mean(meant))
 
 
 def _at(bridge: Bridge, message: str, hint: str) -> Diagnostic:
@@ -340,7 +340,8 @@ def wrong_direction(bridge: Bridge, known: Iterable[GazeboTopic]) -> Iterator[Di
         bridge.file,
         bridge.line,
         bridge.gz_topic,
-        message=f"{who} {does} `{bridge.gz_topic}`, and the bridge carries messages the other way.",
+        message=f"{who} {does} `{bridge.gz_topic}`, but the bridge passes messages in the other "
+        "direction.",
         hint=f"Write `{wanted}` between the types, in YAML `direction: {words[wanted]}`.",
     )
 
@@ -354,9 +355,9 @@ def other_type(bridge: Bridge, known: Iterable[GazeboTopic]) -> Iterator[Diagnos
             bridge.file,
             bridge.line,
             bridge.gz_topic,
-            message=f"The bridge names {bridge.gz_type} for `{bridge.gz_topic}`, and "
-            f"{here[0].owner} has gz.msgs.{here[0].type} there.",
-            hint=f"Write gz.msgs.{here[0].type}, with the type of ROS that fits it.",
+            message=f"The bridge expects {bridge.gz_type} on `{bridge.gz_topic}`, but "
+            f"{here[0].owner} uses gz.msgs.{here[0].type}.",
+            hint=f"Write gz.msgs.{here[0].type}, with the matching ROS type.",
         )
 
 
@@ -379,16 +380,20 @@ def unknown_topic(
     model = (in_world and in_world[2]) or (of_model and of_model[1]) or None
     message = None
     if in_world and world is not None and in_world[1] != world:
-        message = f"`{topic}` is of the world `{in_world[1]}`, and the world is named `{world}`."
+        message = (
+            f"`{topic}` belongs to the world `{in_world[1]}`, but the world is named `{world}`."
+        )
         hint = did_you_mean(topic.replace(f"/world/{in_world[1]}/", f"/world/{world}/", 1))
     elif model and models is not None and model not in models:
-        message = f"`{topic}` is of the model `{model}`, and the world has no model of that name."
+        message = (
+            f"`{topic}` belongs to the model `{model}`, but the world has no model of that name."
+        )
         hint = advice(model, models, f"Name one of its models: {', '.join(sorted(models))}.")
     else:
         fitting = {one.name for one in known if one.type == bridge.gz_type.rpartition(".")[2]}
         near = _near_topic(topic, fitting)
         if near is not None:
-            message = f"Nothing in the robot or the world has the topic `{topic}`."
+            message = f"The topic `{topic}` does not exist in the robot or the world."
             hint = did_you_mean(near)
     if message is not None:
         yield UNKNOWN_BRIDGE_TOPIC.at(
@@ -448,11 +453,11 @@ def _read_word(program: Process, word: str) -> Bridge | Diagnostic | None:
     if word.startswith("-"):
         return None
     lacking = (
-        "the type of ROS"
+        "the ROS type"
         if not (at and topic)
-        else "the type of Gazebo and the direction"
+        else "the Gazebo type and the direction"
         if not direction
-        else "the type of Gazebo"
+        else "the Gazebo type"
     )
     return INVALID_BRIDGE.at(
         *place,
@@ -477,7 +482,7 @@ def _read_entries(file: Path, content: yamlfile.Value) -> Iterator[Bridge | Diag
         yield INVALID_BRIDGE_ENTRY.at(
             file,
             content.line,
-            message="The file of the bridge is not a list.",
+            message="The configuration file of the bridge is not a list.",
             hint="Begin each entry with `- `.",
         )
         return
@@ -501,7 +506,7 @@ def _read_entries(file: Path, content: yamlfile.Value) -> Iterator[Bridge | Diag
                 file,
                 entry.line,
                 texts.get("ros_topic_name") or texts.get("gz_topic_name") or None,
-                message=f"The bridge cannot use the entry: {why[0]}.",
+                message=f"The bridge cannot use this entry: {why[0]}.",
                 hint=why[1],
             )
         elif texts.get("gz_type_name"):
@@ -524,10 +529,10 @@ def _why_invalid(texts: dict[str, str]) -> tuple[str, str] | None:
         return None
     names = [key for key in ("ros_type_name", "gz_type_name") if not texts.get(key)]
     if names:
-        return f"it has no `{names[0]}`", f"Add `{names[0]}: TYPE` to it."
+        return f"it has no `{names[0]}`", f"Add `{names[0]}: TYPE` to the entry."
     topics = [key for key in ("topic_name", "ros_topic_name", "gz_topic_name") if texts.get(key)]
     if not topics:
-        return "it has no topic", "Add `ros_topic_name` and `gz_topic_name` to it."
+        return "it has no topic", "Add `ros_topic_name` and `gz_topic_name` to the entry."
     if topics[0] == "topic_name" and len(topics) > 1:
         return f"`topic_name` and `{topics[1]}` exclude each other", "Remove one of them."
     direction = texts.get("direction")
@@ -538,7 +543,7 @@ def _why_invalid(texts: dict[str, str]) -> tuple[str, str] | None:
             or direction.upper()
         )
         return (
-            f"`{direction}` is no direction",
+            f"`{direction}` is not a direction",
             did_you_mean(meant)
             if meant in DIRECTIONS
             else f"Write one of {', '.join(DIRECTIONS)}.",

@@ -151,7 +151,7 @@ def collect(found: Iterable[Rule]) -> tuple[Rule, ...]:
     names: dict[str, Rule] = {}
     for rule in found:
         if rule.code[:3] not in FAMILIES:
-            raise ValueError(f"{rule.code} is of no family.")
+            raise ValueError(f"{rule.code} does not belong to a family of rules.")
         if by_code.setdefault(rule.code, rule) is not rule:
             raise ValueError(f"{rule.code} is the code of two rules.")
         if names.setdefault(rule.name, rule) is not rule:
@@ -185,7 +185,9 @@ def to_markdown(rule: Rule, *, has_fix: bool = False) -> str:
     severity = rule.severity.value
     if rule.severity_varies:
         severity = f"{severity}; {rule.severity_varies}"
-    fix = " `wsgen check --fix` fixes it where the text shows what is meant." if has_fix else ""
+    fix = (
+        " `wsgen check --fix` fixes it where the text makes the intention clear." if has_fix else ""
+    )
     parts = [f"## {rule.name} ({rule.code})", rule.summary, f"Severity: {severity}.{fix}"]
     if rule.what:
         parts += ["**What it checks.** " + rule.what]
@@ -209,7 +211,7 @@ UNKNOWN_RULE_ALLOWED = Rule(
     severity=Severity.WARNING,
     summary="`wsgen.toml` allows a rule that does not exist.",
     what="Compares the names in `allow` of `wsgen.toml` with all rules.",
-    why="A misspelled name allows nothing.",
+    why="A misspelled name has no effect.",
     example='[validate]\nallow = ["masless-root"]',
     instead='[validate]\nallow = ["massless-root"]',
 )

@@ -86,10 +86,10 @@ MISSING_CONTROLLER_FILE = Rule(
     code="ROB110",
     name="missing-controller-file",
     severity=Severity.ERROR,
-    summary="Gazebo's plugin for ros2_control names a file of parameters that does not exist.",
-    what="Looks the path in `<parameters>` up in what is installed.",
+    summary="Gazebo's plugin for ros2_control names a parameter file that does not exist.",
+    what="Looks up the path in `<parameters>` in the installed packages.",
     why="The controller manager does not start: Gazebo's plugin cannot read its parameters, and "
-    "spawners wait without end.",
+    "spawners wait forever.",
     example="<parameters>$(find my_robot)/config/controler.yaml</parameters>",
     instead="<parameters>$(find my_robot)/config/controllers.yaml</parameters>",
 )
@@ -111,13 +111,14 @@ def missing_controller_file(
         file,
         plugin.line,
         f"gazebo/plugin[@filename='{plugin.filename}']/parameters",
-        message=f"The file of parameters `{path}` does not exist.",
+        message=f"The parameter file `{path}` does not exist.",
         hint=did_you_mean(near)
         if near
-        else f"Write $(find {place.package})/{place.inside}, which xacro replaces."
+        else f"Write $(find {place.package})/{place.inside}; xacro replaces it with the installed "
+        "path."
         if place
-        else f"Create it, and install the folder `{path.parent.name}` in CMakeLists.txt or "
-        "setup.py.",
+        else f"Create it if it is missing, and install its folder `{path.parent.name}` in "
+        "CMakeLists.txt or setup.py.",
     )
 
 
@@ -127,10 +128,10 @@ UNKNOWN_CONTROLLER_JOINT = Rule(
     severity=Severity.ERROR,
     severity_varies="a warning about a controller that no launch file of the package starts",
     summary="The parameters of a controller name a joint that the robot does not have.",
-    what="Reads the file that Gazebo's plugin for ros2_control names in `<parameters>`. Nothing is "
-    "reported about a controller that names no joint of the robot where the launch file has an "
+    what="Reads the file that Gazebo's plugin for ros2_control names in `<parameters>`. "
+    "Controllers whose joints are all missing are not reported where the launch file has an "
     "argument that is empty by default, such as one for a gripper.",
-    why="The controller cannot claim the interfaces of the joint, and does not start.",
+    why="The controller cannot claim the interfaces of the joint and does not start.",
     example="""
 diff_drive_controller:
   ros__parameters:
@@ -166,10 +167,10 @@ CONTROLLER_WITHOUT_PARAMETERS = Rule(
     code="ROB113",
     name="controller-without-parameters",
     severity=Severity.WARNING,
-    summary="A controller has a type but not the parameters that it needs.",
-    what="Looks for controllers of types that need joints, and for which the file of parameters "
-    "that gives the type has none.",
-    why="The controller cannot be configured: the spawner ends with an error.",
+    summary="A controller has a type but lacks required parameters.",
+    what="Looks for controllers whose type needs joints, where the parameter file that sets the "
+    "type does not set the joints.",
+    why="The controller cannot be configured: the spawner exits with an error.",
     example="""
 controller_manager:
   ros__parameters:
@@ -245,12 +246,12 @@ def _without_parameters(  # noqa: PLR0913, PLR0917  a controller, and what is be
         ),
         None,
     )
-    message = f"The controller `{name}` has the type `{kind}`, but no parameter `{needed[0]}`"
+    message = f"The controller `{name}` of type `{kind}` lacks the parameter `{needed[0]}`"
     hint = f"Add `{name}: ros__parameters: {needed[0]}:` with the names of its joints."
     if other is not None:
-        message += f": `{other[0]}` has it, which is not the name of a controller"
+        message += f"; `{other[0]}`, which is not a controller, has it"
         hint = (
-            f"Write `{name}:` for `{other[0]}:`, or give the type to `{other[0]}` in line {line}."
+            f"Rename `{other[0]}:` to `{name}:`, or set the type for `{other[0]}` in line {line}."
         )
         line = other[1].line - 2  # above `ros__parameters:`
     return CONTROLLER_WITHOUT_PARAMETERS.at(file, line, name, message=f"{message}.", hint=hint)

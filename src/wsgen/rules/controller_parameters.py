@@ -25,12 +25,12 @@ INVALID_CONTROLLER_PARAMETER = Rule(
     severity=Severity.ERROR,
     severity_varies="a warning about a misspelled name, and about a controller that no launch file "
     "of the package starts",
-    summary="A parameter of a controller has a value of another type, or a misspelled name.",
+    summary="A controller parameter has the wrong type or a misspelled name.",
     what="Compares the parameters of diff_drive_controller, joint_trajectory_controller, "
     "forward_command_controller and joint_state_broadcaster, and `update_rate` of the controller "
     "manager, with their declarations.",
-    why="A node refuses a value of another type, also an integer where a number with a decimal "
-    "point is declared: the controller cannot be configured. A misspelled name is ignored.",
+    why="A node refuses a value of the wrong type, even an integer for a double: the controller "
+    "cannot be configured. A misspelled name is ignored.",
     example="""
 diff_drive_controller:
   ros__parameters:
@@ -122,8 +122,8 @@ def invalid_parameters(
             file,
             lone.line,
             f"{name}.type",
-            message="`type` stands beside the names of controllers, and not below one.",
-            hint="Indent it by one more level, below the name of its controller.",
+            message="`type` is at the level of the controller names, not below one of them.",
+            hint="Indent `type` by one more level, below the name of its controller.",
             severity=severity,
         )
     for key, value in given.items():
@@ -134,7 +134,7 @@ def invalid_parameters(
                     file,
                     value.line,
                     f"{name}.{key}",
-                    message=f"The parameter `{key}` of {who} is {_shown(value)}, and must be "
+                    message=f"The parameter `{key}` of {who} is {_shown(value)}, but must be "
                     f"{'an' if declared[key] == 'integer' else 'a'} {declared[key]}.",
                     hint=hint,
                     severity=severity,

@@ -27,10 +27,10 @@ UNKNOWN_CONTROLLER = Rule(
     severity=Severity.ERROR,
     summary="A launch file starts a controller that is not configured.",
     what="Compares the arguments of `spawner`, and of `ros2 control load_controller`, with the "
-    "controllers that have a `type` in the parameters of the controller manager. Nothing is "
-    "reported where not all of these parameters are known, or the spawner has its own.",
-    why="The controller manager does not know the type of the controller: the spawner ends with an "
-    "error, and the controller does not start.",
+    "controllers that have a `type` in the parameters of the controller manager. Not checked where "
+    "some of these parameters are unknown, or the spawner has its own.",
+    why="The controller manager does not know the type of the controller: the spawner exits with "
+    "an error, and the controller does not start.",
     example="# controllers.yaml: controller_manager: ros__parameters: diff_cont: type: ...\n"
     "Node(package='controller_manager', executable='spawner', arguments=['diff_controller'])",
     instead="Node(package='controller_manager', executable='spawner', arguments=['diff_cont'])",
@@ -42,8 +42,7 @@ UNKNOWN_CONTROLLER_TYPE = Rule(
     severity_varies="an error about a controller that a launch file of the package starts",
     summary="A controller has a type that `ros2_controllers` does not have.",
     what="Looks in the parameters of controller managers for types of older releases, and for "
-    "nearly the names of those in `ros2_controllers`. Other types are assumed to be somebody's "
-    "own.",
+    "misspelled types of `ros2_controllers`. Other types are assumed to be user-defined.",
     why="The controller manager does not find the class, and does not load the controller.",
     example="joint_state_controller:\n  type: joint_state_controller/JointStateController",
     instead="joint_state_broadcaster:\n  type: joint_state_broadcaster/JointStateBroadcaster",
@@ -211,12 +210,12 @@ def unknown_controllers(plan: LaunchPlan, configured: Configured | None) -> Iter
                 program.file,
                 program.line,
                 name,
-                message=f"The controller `{name}` is not configured: no parameter of the "
-                "controller manager gives it a type.",
+                message=f"The controller `{name}` is not configured: the parameters of the "
+                "controller manager do not set its type.",
                 hint=advice(
                     name,
                     known,
-                    f"Add `{name}: {{type: ...}}` below controller_manager: ros__parameters:.",
+                    f"Add `{name}: {{type: ...}}` below `controller_manager: ros__parameters:`.",
                 ),
             )
 
@@ -306,7 +305,7 @@ def unknown_types(
                 file,
                 value.line,
                 name,
-                message=f"`{written}` is not a controller of ros2_controllers.",
+                message=f"ros2_controllers does not have the controller type `{written}`.",
                 hint=did_you_mean(meant),
                 severity=Severity.ERROR if name in started else Severity.WARNING,
             )

@@ -39,12 +39,12 @@ DRIVE_UNLIKE_WHEELS = Rule(
     code="ROB134",
     name="drive-unlike-wheels",
     severity=Severity.WARNING,
-    summary="The sizes in a diff drive plugin or controller are not those of the wheels.",
+    summary="The wheel sizes in a diff drive plugin or controller do not match the wheels.",
     what="Compares `<wheel_radius>` or `<wheel_diameter>` with the cylinders and spheres of the "
-    "wheels, and `<wheel_separation>` with the distance between them. Reports what differs by a "
-    "third; a larger separation is right for robots with more than two wheels.",
-    why="The plugin computes the speeds of the wheels, and the odometry, from its own numbers: the "
-    "robot drives and turns by other amounts than its commands say, and does not notice.",
+    "wheels, and `<wheel_separation>` with the distance between them. Reports differences above a "
+    "third; robots with more than two wheels may have a larger separation.",
+    why="The plugin computes wheel speeds and odometry from these numbers: the robot drives and "
+    "turns by other amounts than commanded, and its odometry does not show it.",
     example="<wheel_radius>0.2</wheel_radius>  <!-- of wheels with a radius of 0.1 m -->",
     instead="<wheel_radius>0.1</wheel_radius>",
 )
@@ -54,11 +54,11 @@ WHEEL_ROLLS_SIDEWAYS = Rule(
     code="ROB144",
     name="wheel-rolls-sideways",
     severity=Severity.ERROR,
-    summary="A driven wheel turns about an axis across the line between the wheels.",
+    summary="The axis of a driven wheel is not along the line between the wheels.",
     what="Compares the axes of the two wheels that a drive plugin or a diff_drive_controller turns "
     "with the line between their joints. Without `<axis>` the axis is x of the joint.",
-    why="A wheel rolls about the line to the wheel on the other side. About another axis it "
-    "rolls sideways, or spins like a top, and the robot does not drive.",
+    why="A wheel rolls about the line to the opposite wheel. About another axis it rolls sideways "
+    "or spins in place, and the robot does not drive.",
     example="""
 <joint name="left_wheel_joint" type="continuous">
   <parent link="base_link"/>
@@ -116,8 +116,8 @@ def wheels_across(
                 message=f"The driven wheel `{one.child}` turns about "
                 f"{' '.join(f'{part:g}' for part in one.axis_in_joint)}"
                 + (" (x, as without <axis>)" if one.axis_in_joint == (1, 0, 0) else "")
-                + ", across the line to the wheel on the other side: it does not roll.",
-                hint=f'Write <axis xyz="{_axis(pose, across)}"/> into the joint `{one.name}`.',
+                + ", perpendicular to the line to the opposite wheel: it does not roll.",
+                hint=f'Write <axis xyz="{_axis(pose, across)}"/> in the joint `{one.name}`.',
             )
 
 
@@ -201,14 +201,16 @@ def check_drive_controller(
             continue
         if size > 0 and not 1 / FAR_OFF <= value.content / size <= most:
             what = (
-                "the radius of its shape is" if key == "wheel_radius" else "the wheels are apart by"
+                "the radius of its shape is"
+                if key == "wheel_radius"
+                else "the distance of the wheels is"
             )
             yield DRIVE_UNLIKE_WHEELS.at(
                 file,
                 value.line,
                 f"{name}.{key}",
-                message=f"The controller `{name}` computes with a {key} of {value.content:.4g} m "
-                f"for the wheel `{left.name}`, and {what} {size:.4g} m.",
+                message=f"The controller `{name}` has a {key} of {value.content:.4g} m for the "
+                f"wheel `{left.name}`, but {what} {size:.4g} m.",
                 hint=f"Write sizes of the robot in meters: {value.content:.4g} for {size:.4g}."
                 if size > OTHER_UNITS * value.content > 0
                 else f"Write {key}: {size:.4g}",
@@ -247,8 +249,8 @@ def _radius(
             file,
             plugin.line,
             f"plugin[@name='{plugin.name}']/{key}",
-            message=f"The diff drive plugin takes the wheel `{wheels[0].name}` for one with a "
-            f"radius of {pair.radius:.4g} m, and its shape has {radius:.4g} m.",
+            message=f"The diff drive plugin has a radius of {pair.radius:.4g} m for the wheel "
+            f"`{wheels[0].name}`, but the radius of its shape is {radius:.4g} m.",
             hint=f"Write <{key}>{factor * radius:.4g}</{key}>.",
         )
 
@@ -266,9 +268,8 @@ def _separation(  # noqa: PLR0913, PLR0917  facts
             file,
             plugin.line,
             f"plugin[@name='{plugin.name}']/wheel_separation",
-            message=f"The diff drive plugin takes the wheels `{wheels[0].name}` and "
-            f"`{wheels[1].name}` for {pair.separation:.4g} m apart, and they are {apart:.4g} m "
-            "apart.",
+            message=f"The diff drive plugin has a separation of {pair.separation:.4g} m for the "
+            f"wheels `{wheels[0].name}` and `{wheels[1].name}`, but they are {apart:.4g} m apart.",
             hint=f"Write <wheel_separation>{apart:.4g}</wheel_separation>.",
         )
 

@@ -18,7 +18,8 @@ SPAWNED_TWICE = Rule(
     name="spawned-twice",
     severity=Severity.ERROR,
     summary="Two robots, or a robot and a model of the world, have the same name.",
-    what="Compares the names given to the spawners and those of the models in the world.",
+    what="Compares the names in the arguments of spawners with each other and with the models in "
+    "the world.",
     why="The simulator refuses the second robot.",
     example="""
 Node(package="ros_gz_sim", executable="create",
@@ -52,6 +53,6 @@ def spawned_twice(spawns: Sequence[Spawn], in_world: Collection[str] = ()) -> It
                 message=f"{times} robots are spawned as `{entity}`."
                 if times > 1
                 else f"A robot is spawned as `{entity}`, and the world has a model of that name.",
-                hint="Give each spawner a different name: -entity in Gazebo Classic, -name in "
+                hint="Give each spawner a different name: `-entity` in Gazebo Classic, `-name` in "
                 "Gazebo Sim.",
             )

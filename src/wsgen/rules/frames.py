@@ -24,12 +24,12 @@ UNPUBLISHED_FRAME = Rule(
     code="LCH085",
     name="unpublished-frame",
     severity=Severity.WARNING,
-    summary="A configuration names a frame that is nearly a link of the robot, and is none.",
+    summary="A configuration names a frame that looks like a misspelled link of the robot.",
     what="Compares the fixed frame of RViz, and the base frames of Nav2, localization, SLAM and "
     "controllers, with the links of the robots of the package. Frames that something may publish, "
     "such as `odom`, are not reported.",
-    why="No transform leads to the frame: RViz shows an error instead of the robot, and Nav2 waits "
-    "for ever.",
+    why="The frame has no transform: RViz shows an error instead of the robot, and Nav2 waits "
+    "forever.",
     example="# the robot has the link `base_link`\namcl:\n  ros__parameters:\n"
     "    base_frame_id: baselink",
     instead="amcl:\n  ros__parameters:\n    base_frame_id: base_link",
@@ -101,7 +101,7 @@ def frames_without_links(
                 file,
                 text.count("\n", 0, found.start(3)) + 1,
                 found[1],
-                message=f"The robot has no link `{frame}`, which `{found[1]}` names.",
+                message=f"`{found[1]}` names the link `{frame}`, which the robot does not have.",
                 hint=did_you_mean(near),
             )
 

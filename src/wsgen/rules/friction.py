@@ -31,14 +31,14 @@ TURNING_FRICTION = Rule(
     code="ROB141",
     name="turning-friction-direction",
     severity=Severity.WARNING,
-    summary="The direction of the friction of a wheel turns with the wheel.",
-    what="Looks at links of `continuous` joints with a `<fdir1>` other than the axis, of whose "
-    "coefficients `<mu1>` (`<mu>`) and `<mu2>` one is less than half of the other: whether "
-    "`gz:expressed_in` names a link that Gazebo has when fixed joints are lumped.",
-    why="Mecanum wheels are simulated by a friction whose direction stays with the robot. Where "
-    "`gz:expressed_in` is missing, or names a link that is lumped into another one, Gazebo takes "
-    "the frame of the wheel: the robot goes ahead, and to the side it goes back and forth. Of a "
-    "`<fdir1>` beside `<mu1>`, sdformat leaves the attribute out.",
+    summary="The friction direction of a wheel turns with the wheel.",
+    what="Looks at links of `continuous` joints with a `<fdir1>` other than the axis, where one of "
+    "the coefficients `<mu1>` (`<mu>`) and `<mu2>` is less than half of the other. Reports those "
+    "whose `gz:expressed_in` does not name a link that Gazebo has after it lumps fixed joints.",
+    why="Gazebo simulates mecanum wheels by a friction direction that is fixed to the robot. Where "
+    "`gz:expressed_in` is missing, or names a link that is lumped into another one, Gazebo uses "
+    "the frame of the wheel: the robot drives forward, but only moves back and forth when "
+    "commanded sideways. sdformat drops the attribute of a `<fdir1>` beside `<mu1>`.",
     example='<gazebo reference="front_left_wheel">\n'
     "  <mu1>1.0</mu1>\n  <mu2>0.0</mu2>\n  <fdir1>1 -1 0</fdir1>\n</gazebo>",
     instead='<gazebo reference="front_left_wheel">\n'
@@ -67,14 +67,14 @@ def turning_friction(written: Robot, lumped: Robot, file: Path | None) -> Iterat
         return
     name, surface = found[0]
     others = len({wheel for wheel, _ in found}) - 1
-    more = f", and {others} more like it" if others else ""
+    more = f", like those of {others} more links" if others else ""
     named = surface.fdir1_in
     if named is None:
-        why = "no gz:expressed_in that Gazebo reads says which link it stays with"
+        why = "it lacks a gz:expressed_in that Gazebo reads"
     elif any(link.name == named for link in written.links):
         why = f"gz:expressed_in names `{named}`, which is lumped into another link"
     else:
-        why = f"gz:expressed_in names `{named}`, which is no link of the robot"
+        why = f"gz:expressed_in names `{named}`, which is not a link of the robot"
     place = next(
         (
             tag.line
@@ -87,7 +87,7 @@ def turning_friction(written: Robot, lumped: Robot, file: Path | None) -> Iterat
         file,
         place or next(link.line for link in lumped.links if link.name == name),
         f"gazebo[@reference='{name}']" if place else f"link[@name='{name}']",
-        message=f"The direction of the friction of `{name}` turns with it{more}: {why}.",
+        message=f"The friction direction of `{name}` turns with the wheel{more}: {why}.",
         hint="In <collision><surface><friction><ode>, write "
         f'<fdir1 gz:expressed_in="{lumped.root}">.',
     )
@@ -97,11 +97,12 @@ NO_FRICTION_DIRECTION = Rule(
     code="ROB142",
     name="friction-direction-not-simulated",
     severity=Severity.WARNING,
-    summary="The physics engine has no friction with a direction, which wheels of the robot have.",
-    what="Looks for `<fdir1>` on wheels, of whose coefficients `<mu1>` (`<mu>`) and `<mu2>` one is "
-    "less than half of the other, where PyBullet or DART simulates. MuJoCo is the engine that has "
-    "directions, which are those of Gazebo.",
-    why="Mecanum wheels then grip as tires do: the robot goes ahead, and does not go to the side.",
+    summary="The physics engine does not support the friction direction of the wheels.",
+    what="In simulations with PyBullet or DART, looks for `<fdir1>` on wheels where one of the "
+    "coefficients `<mu1>` (`<mu>`) and `<mu2>` is less than half of the other. MuJoCo supports "
+    "friction directions, as Gazebo does.",
+    why="Mecanum wheels then behave like ordinary tires: the robot drives forward, but not "
+    "sideways.",
     example="wsgen launch my_robot robot.launch.py --run  # a robot with mecanum wheels",
     instead="pip install 'wsgen[mujoco]'\n"
     "wsgen launch my_robot robot.launch.py --run --engine mujoco",
@@ -122,9 +123,9 @@ def friction_without_direction(robot: Robot, engines: Sequence[str]) -> Iterator
         has = "has" if len(without) == 1 else "have"
         yield NO_FRICTION_DIRECTION.at(
             None,
-            message=f"{name_engines(without)} {has} no friction with a direction (<fdir1>), which "
-            f"`{wheels[0]}`{more} of `{robot.name}` {wheels_have}: the robot does not go to "
-            "the side.",
+            message=f"{name_engines(without)} {has} no friction directions (<fdir1>), which "
+            f"`{wheels[0]}`{more} of `{robot.name}` {wheels_have}: the robot does not drive "
+            "sideways.",
             hint="Simulate it with --engine mujoco (pip install 'wsgen[mujoco]').",
         )
 

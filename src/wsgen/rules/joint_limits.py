@@ -32,8 +32,8 @@ LIMITS_IN_DEGREES = Rule(
     severity=Severity.WARNING,
     summary="The limits of a revolute joint look like degrees.",
     what="Looks for revolute joints with a bound between 10 and 720 and no more than one decimal.",
-    why="URDF gives angles in radians. A joint with limits of ±90 turns 14 times in each direction "
-    "before it stops, so that nothing keeps the arm out of its own body.",
+    why="Angles in URDF are in radians. A joint with limits of ±90 makes 14 turns in each "
+    "direction before it stops, so that the arm runs into the robot.",
     example="""
 <joint name="elbow" type="revolute">
   <parent link="upper_arm"/>
@@ -65,9 +65,9 @@ def limits_in_degrees(joints: Iterable[Joint], file: Path | None) -> Iterator[Di
             limit.line or joint.line,
             f"joint[@name='{joint.name}']/limit",
             message=f"The limits {limit.lower:g} and {limit.upper:g} of the revolute joint "
-            f"`{joint.name}` look like degrees, but URDF reads radians.",
-            hint=f'Write lower="{lower:.5g}" upper="{upper:.5g}". If the joint turns without end, '
-            "make it continuous.",
+            f"`{joint.name}` look like degrees; URDF uses radians.",
+            hint=f'Write lower="{lower:.5g}" upper="{upper:.5g}". If the joint turns without '
+            "limits, make it continuous.",
         )
 
 
@@ -82,12 +82,11 @@ ZERO_EFFORT = Rule(
     code="ROB082",
     name="zero-effort",
     severity=Severity.WARNING,
-    summary="The limit of a joint has an effort of 0.",
+    summary="The `<limit>` of a joint has an effort of 0.",
     what='Looks for movable joints whose `<limit>` says `effort="0"`, except those that mimic '
     "another joint.",
-    why="`effort` is the largest force or torque that a motor of the joint has. With 0, Gazebo "
-    "discards whatever a controller commands: the arm hangs down. CAD exporters write 0 where they "
-    "know nothing.",
+    why="`effort` is the maximum force or torque of the motor. With 0, Gazebo discards every "
+    "command of a controller: the arm hangs down. CAD exporters write 0 as a placeholder.",
     example='<limit lower="-1.57" upper="1.57" effort="0" velocity="1"/>',
     instead='<limit lower="-1.57" upper="1.57" effort="10" velocity="1"/>',
 )
@@ -96,10 +95,10 @@ ZERO_VELOCITY = Rule(
     code="ROB083",
     name="zero-velocity",
     severity=Severity.WARNING,
-    summary="The limit of a joint has a velocity of 0.",
+    summary="The `<limit>` of a joint has a velocity of 0.",
     what='Looks for movable joints whose `<limit>` says `velocity="0"`, except those that mimic '
     "another joint.",
-    why="`velocity` is the highest speed of the joint. With 0, controllers and motion planners "
+    why="`velocity` is the maximum speed of the joint. With 0, controllers and motion planners "
     "do not move it: MoveIt refuses to plan, and Gazebo Sim discards commanded speeds.",
     example='<limit lower="-1.57" upper="1.57" effort="10" velocity="0"/>',
     instead='<limit lower="-1.57" upper="1.57" effort="10" velocity="1"/>',
@@ -121,9 +120,9 @@ def zero_limits(
                 file,
                 limit.line or joint.line,
                 f"joint[@name='{joint.name}']/limit",
-                message=f"The limit of the joint `{joint.name}` has an effort of 0: no motor can "
-                "move or hold it.",
-                hint=f"Write the motor's {'torque, in N m' if turns else 'force, in N'}, for "
+                message=f"The <limit> of the joint `{joint.name}` has an effort of 0: no "
+                "controller can move or hold it.",
+                hint=f"Write the motor's maximum {'torque in N m' if turns else 'force in N'}, for "
                 'example effort="10".',
             )
         if limit.velocity == 0:
@@ -131,9 +130,9 @@ def zero_limits(
                 file,
                 limit.line or joint.line,
                 f"joint[@name='{joint.name}']/limit",
-                message=f"The limit of the joint `{joint.name}` has a velocity of 0: controllers "
+                message=f"The <limit> of the joint `{joint.name}` has a velocity of 0: controllers "
                 "do not move it.",
-                hint=f"Write its highest speed, in {'rad/s' if turns else 'm/s'}, for example "
+                hint=f"Write its maximum speed in {'rad/s' if turns else 'm/s'}, for example "
                 'velocity="1".',
             )
 
@@ -142,11 +141,10 @@ NEGATIVE_LIMIT = Rule(
     code="ROB131",
     name="negative-limit",
     severity=Severity.WARNING,
-    summary="The limit of a joint has a negative effort or velocity.",
+    summary="The `<limit>` of a joint has a negative effort or velocity.",
     what="Looks for movable joints whose `<limit>` says `effort` or `velocity` below 0.",
-    why="Both are the largest amount in either direction. Gazebo takes a negative one for no limit "
-    "at all, so that the motor has any force; other programs refuse it, or move the joint not at "
-    "all.",
+    why="Both are the maximum in either direction. Gazebo treats a negative value as no limit; "
+    "other programs refuse it, or do not move the joint.",
     example='<limit lower="-1.57" upper="1.57" effort="-10" velocity="1"/>',
     instead='<limit lower="-1.57" upper="1.57" effort="10" velocity="1"/>',
 )
@@ -164,8 +162,8 @@ def negative_limits(joints: Iterable[Joint], file: Path | None) -> Iterator[Diag
                     file,
                     limit.line or joint.line,
                     f"joint[@name='{joint.name}']/limit",
-                    message=f"The limit of the joint `{joint.name}` has a negative {name}, "
-                    f"{value:g}: Gazebo takes it for no limit.",
+                    message=f"The <limit> of the joint `{joint.name}` has a negative {name}, "
+                    f"{value:g}: Gazebo treats it as no limit.",
                     hint=f'Write {name}="{-value:g}".',
                 )
 
@@ -175,10 +173,10 @@ LIMITS_IN_MILLIMETERS = Rule(
     name="limits-in-millimeters",
     severity=Severity.WARNING,
     summary="The limits of a prismatic joint look like millimeters.",
-    what="Looks for prismatic joints between parts with shapes that can slide 10 m or more, at "
-    "least 30 times the size of the robot, with no more than one decimal.",
-    why="URDF gives lengths in meters. A slider with limits of 0 and 300 leaves the robot: nothing "
-    "stops it at the end of its rail.",
+    what="Looks for prismatic joints between links with shapes that can slide 10 m or more and at "
+    "least 30 times the size of the robot, with no more than one decimal in their limits.",
+    why="Lengths in URDF are in meters. A slider with limits of 0 and 300 does not stop at the end "
+    "of its rail and leaves the robot.",
     example="""
 <joint name="lift" type="prismatic">
   <parent link="base_link"/>
@@ -226,8 +224,8 @@ def limits_in_millimeters(
             limit.line or joint.line,
             f"joint[@name='{joint.name}']/limit",
             message=f"The limits {limit.lower:g} and {limit.upper:g} of the prismatic joint "
-            f"`{joint.name}` look like millimeters: the robot measures {extent:.2g} m, and URDF "
-            "reads meters.",
+            f"`{joint.name}` look like millimeters: the size of the robot is {extent:.2g} m, and "
+            "URDF uses meters.",
             hint=f'Write lower="{lower}" upper="{upper}".',
         )
 
@@ -243,10 +241,9 @@ NO_RANGE = Rule(
     name="no-range",
     severity=Severity.WARNING,
     summary="The lower and the upper limit of a joint are the same: it cannot move.",
-    what="Looks for revolute and prismatic joints whose bounds are equal. A bound that is not "
-    "written is 0.",
-    why="The joint is there and has a controller, but never moves. Usually the bounds were "
-    "forgotten: `lower` and `upper` default to 0.",
+    what="Looks for revolute and prismatic joints whose bounds are equal. A missing bound is 0.",
+    why="The joint may have a controller, but never moves. Usually the bounds are missing: `lower` "
+    "and `upper` default to 0.",
     example='<limit effort="10" velocity="1"/>',
     instead='<limit lower="-1.57" upper="1.57" effort="10" velocity="1"/>',
 )
@@ -275,11 +272,11 @@ MIMICS_FIXED_JOINT = Rule(
     code="ROB085",
     name="mimics-fixed-joint",
     severity=Severity.WARNING,
-    severity_varies="a note where the joint itself is fixed, as it is where somebody froze it",
+    severity_varies="information where the joint itself is fixed, which may be on purpose",
     summary="A joint mimics a fixed joint, or is a fixed joint itself.",
-    what="Compares the types of the joint with `<mimic>` and of the joint that it names.",
-    why="A fixed joint has no position: one that mimics it never moves, and a `<mimic>` in a fixed "
-    "joint has no effect. Gazebo reports neither.",
+    what="Looks at the type of the joint with `<mimic>` and that of the joint that it names.",
+    why="A fixed joint has no position: a joint that mimics it never moves, and a `<mimic>` in a "
+    "fixed joint has no effect. Gazebo prints no error.",
     example="""
 <joint name="left_finger_joint" type="fixed">…</joint>
 <joint name="right_finger_joint" type="prismatic">
@@ -302,8 +299,8 @@ MIMIC_BEYOND_LIMITS = Rule(
     severity=Severity.INFO,
     summary="A joint that mimics another one cannot follow it over its whole range.",
     what="Compares the limits of the joint with those of the other one times `multiplier` plus "
-    "`offset`; reports what is beyond by more than a hundredth of the range.",
-    why="The follower stops at its own limit while the other joint goes on. In Gazebo Sim the "
+    "`offset`; reports differences above 1% of the range.",
+    why="The joint stops at its own limit while the other one continues. In Gazebo Sim the "
     "constraint between the two then holds the other joint back, too.",
     example="""
 <joint name="left" type="prismatic"><limit lower="0" upper="0.04" …/></joint>
@@ -349,7 +346,7 @@ def useless_mimics(joints: Iterable[Joint], file: Path | None) -> Iterator[Diagn
                 file,
                 line,
                 place,
-                message=f"The joint `{joint.name}` should follow `{leader.name}` from "
+                message=f"The joint `{joint.name}` must follow `{leader.name}` from "
                 f"{reach[0]:.4g} to {reach[1]:.4g}, but its limits are {joint.limit.lower:g} and "
                 f"{joint.limit.upper:g}.",
                 hint=f'Write lower="{reach[0]:.4g}" upper="{reach[1]:.4g}" in its <limit>, or '

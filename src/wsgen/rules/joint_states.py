@@ -28,13 +28,13 @@ NO_JOINT_STATES = Rule(
     code="SPN106",
     name="no-joint-states",
     severity=Severity.WARNING,
-    summary="Nothing publishes the states of joints that robot_state_publisher waits for.",
-    what="Looks, where a launch file starts a `robot_state_publisher` beside a simulator or RViz, "
-    "for joint_state_publisher, a spawner of joint_state_broadcaster, plugins of Gazebo that "
-    "publish joint states (in Gazebo Sim with their bridge), and nodes of the workspace whose "
-    "sources name `JointState`. Nothing is reported beside nodes that are not known.",
-    why="The node robot_state_publisher sends the transforms of links behind movable joints only "
-    'when it gets their states: RViz shows "No transform" for wheels and arms.',
+    summary="`robot_state_publisher` waits for joint states that nothing publishes.",
+    what="Where a launch file starts `robot_state_publisher` and a simulator or RViz, looks for "
+    "joint_state_publisher, a spawner of joint_state_broadcaster, plugins of Gazebo that publish "
+    "joint states (in Gazebo Sim with their bridge), and nodes of the workspace whose sources name "
+    "`JointState`. Not checked where the launch file starts unknown nodes.",
+    why="`robot_state_publisher` publishes the transforms of movable joints only when it receives "
+    "their states: RViz shows `No transform` for wheels and arms.",
     example="Node(package='robot_state_publisher', executable='robot_state_publisher',\n"
     "     parameters=[{'robot_description': description}]),\n"
     "Node(package='rviz2', executable='rviz2')",
@@ -150,9 +150,9 @@ def no_joint_states(
                 node.file,
                 node.line,
                 node.name or node.executable,
-                message="Nothing publishes the states of "
-                f"{some_of([f'`{name}`' for name in missing])} on {topic}: "
-                "robot_state_publisher sends no transforms of their links"
+                message="No node publishes the states of "
+                f"{some_of([f'`{name}`' for name in missing])} on {topic}: robot_state_publisher "
+                "does not publish their transforms"
                 + (', and RViz shows "No transform".' if shows else "."),
                 hint=_what_to_do(plugins, kinds, topic, has_bridge=is_bridged),
             )
@@ -225,7 +225,7 @@ def _what_to_do(
         if has_bridge:
             return "Add a <joint_name> for each to the plugin, or remove all of them."
         return (
-            "Have the plugin JointStatePublisher publish on <topic>joint_states</topic>, and add "
+            "Add <topic>joint_states</topic> to the plugin JointStatePublisher, and "
             f"{bridge} to the arguments of parameter_bridge."
         )
     return f"{plugin}{'' if has_bridge else f', and {bridge} to parameter_bridge'}."

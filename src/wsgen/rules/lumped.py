@@ -38,13 +38,12 @@ MANY_LINKS = Rule(
     code="ROB123",
     name="many-links",
     severity=Severity.INFO,
-    summary="The robot has more links than PyBullet simulates.",
-    what=f"Counts the links that are left when fixed joints are lumped; reports more than "
+    summary="The robot has more links than PyBullet supports.",
+    what="Counts the links that remain after fixed joints are lumped; reports more than "
     f"{MOST_LINKS}.",
-    why="PyBullet does not simulate such a robot. Gazebo and other engines do, the slower the more "
-    "links it has.",
+    why="PyBullet refuses such a robot. Gazebo and other engines simulate it slowly.",
     example="A conveyor of 200 rollers, each with a `continuous` joint.",
-    instead="The same conveyor, in which the rollers that nothing touches have `fixed` joints.",
+    instead="The same conveyor with `fixed` joints for the rollers that nothing touches.",
 )
 
 
@@ -56,10 +55,10 @@ def many_links(lumped: Robot, file: Path | None) -> Iterator[Diagnostic]:
             file,
             lumped.links[0].line,
             "robot",
-            message=f"The robot has {number} links after lumping: PyBullet simulates at most "
-            f"{MOST_LINKS}.",
-            hint='Write type="fixed" for joints that need not move, or simulate it with --engine '
-            "mujoco.",
+            message=f"The robot has {number} links after fixed joints are lumped: PyBullet "
+            f"supports at most {MOST_LINKS}.",
+            hint='Write type="fixed" for joints that need not move, or simulate the robot with '
+            "--engine mujoco.",
         )
 
 
@@ -69,9 +68,9 @@ MASS_RATIO = Rule(
     severity=Severity.INFO,
     summary="A light moving link carries a link that is more than 100 times as heavy.",
     what="Compares the masses on both sides of each movable joint, with the masses that fixed "
-    "joints add. The link that carries must itself hang on a movable joint.",
+    "joints add. Only links that are themselves on a movable joint are reported.",
     why="Physics engines solve joints in a few iterations, which do not converge for such masses: "
-    "the joint gets soft, or shakes.",
+    "the joint becomes soft or shakes.",
     example="""
 <link name="gimbal">
   <inertial><mass value="0.001"/>…</inertial>
@@ -114,8 +113,8 @@ def mass_ratio(written: Sequence[Link], lumped: Robot, file: Path | None) -> Ite
     _, joint, light = max(pairs, key=lambda pair: pair[0])
     carrying, carried = _mass(light) or 0.0, _mass(links[joint.child]) or 0.0
     others = len({link.name for _, _, link in pairs}) - 1
-    more = f" So do {others} other links." if others > 1 else ""
-    more = " So does another link." if others == 1 else more
+    more = f" The same holds for {others} other links." if others > 1 else ""
+    more = " The same holds for another link." if others == 1 else more
     place = f"link[@name='{light.name}']"
     has_mass = any(link.name == light.name and link.inertial for link in written)
     yield MASS_RATIO.at(
@@ -123,9 +122,10 @@ def mass_ratio(written: Sequence[Link], lumped: Robot, file: Path | None) -> Ite
         light.line,
         f"{place}/inertial/mass" if has_mass else place,
         message=f"The link `{light.name}` ({carrying:g} kg) carries `{joint.child}` ({carried:g} "
-        f"kg) by the joint `{joint.name}`: in a simulation the joint may be soft or shake.{more}",
-        hint=f'Write <mass value="{carried / MOST_CARRIED:.2g}"/> or more for `{light.name}`, with '
-        "an inertia that fits it.",
+        f"kg) at the joint `{joint.name}`, which may be soft or shake in a simulation.{more}",
+        hint="Check that both masses are in kilograms. If they are, write "
+        f'<mass value="{carried / MOST_CARRIED:.2g}"/> or more for `{light.name}`, with a matching '
+        "inertia.",
     )
 
 
@@ -140,11 +140,12 @@ LUMPED_FRAMES = Rule(
     code="ROB128",
     name="lumped-frames",
     severity=Severity.INFO,
-    summary="Gazebo lumps links that a sensor or a plugin of the robot names.",
+    summary="Gazebo lumps a link that a sensor or a plugin of the robot names.",
     what="Looks for links on fixed joints that `<gazebo reference=...>` of a sensor, or an element "
-    "of a plugin, names. A root link without mass is reported as `massless-root`.",
-    why="Gazebo has no such link: the sensor is part of the one that it is fixed to, whose name is "
-    "in the topics and poses of Gazebo. In ROS, robot_state_publisher publishes all frames.",
+    "of a plugin, names. For a root link without mass see `massless-root`.",
+    why="Gazebo does not have the link: the sensor belongs to the link that it is fixed to, whose "
+    "name is in the topics and poses of Gazebo. In ROS, robot_state_publisher publishes all "
+    "frames.",
     example="""
 <joint name="lidar_joint" type="fixed">
   <parent link="base_link"/>
@@ -191,10 +192,11 @@ def lumped_frames(written: Robot, lumped: Robot, file: Path | None) -> Iterator[
         file,
         named[names[0]],
         f"gazebo[@reference='{names[0]}']",
-        message=f"Gazebo lumps `{names[0]}` into `{bodies[names[0]]}`{more}, with what is in "
-        f"<gazebo> for it. The robot weighs {before:.4g} kg {kept}.",
+        message=f"Gazebo lumps `{names[0]}` into `{bodies[names[0]]}`{more}, with the content of "
+        f"its <gazebo> elements. The robot weighs {before:.4g} kg {kept}.",
         hint=f"Where a topic or a pose of Gazebo names a link, write `{bodies[names[0]]}` for "
-        f"`{names[0]}`; or set <preserveFixedJoint> for the joint of `{names[0]}`.",
+        f"`{names[0]}`; or write <preserveFixedJoint>true</preserveFixedJoint> for the joint of "
+        f"`{names[0]}`.",
     )
 
 

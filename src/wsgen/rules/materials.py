@@ -25,10 +25,10 @@ OGRE_MATERIAL = Rule(
     code="ROB125",
     name="ogre-material",
     severity=Severity.INFO,
-    summary="A material of a robot for Gazebo Sim is an Ogre script.",
-    what="Looks for `<material>` in `<gazebo>` elements of links whose visuals have no color of "
-    "their own. The names `Gazebo/NAME` are reported for Humble and Iron alone: later releases "
-    "know them as colors.",
+    summary="A robot for Gazebo Sim uses an Ogre material script.",
+    what="Looks for `<material>` in `<gazebo>` elements of links whose visuals do not have a "
+    "color. The names `Gazebo/NAME` are reported only for Humble and Iron: later releases know "
+    "them as colors.",
     why="Gazebo Sim does not read Ogre material scripts, and draws the link in white or gray.",
     example='<gazebo reference="base_link">\n  <material>Gazebo/Red</material>\n</gazebo>',
     instead="""

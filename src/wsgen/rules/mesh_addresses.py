@@ -21,10 +21,10 @@ RELATIVE_ADDRESS = Rule(
     name="relative-mesh-address",
     severity=Severity.WARNING,
     summary="A robot that `robot_state_publisher` publishes has a mesh with a relative path.",
-    what="Looks at the robot that a launch file gives to `robot_state_publisher`, for addresses "
-    "without a scheme that are right as seen from the file of the robot.",
-    why="`robot_state_publisher` publishes the text of the robot, and not where its file is. "
-    "RViz, and Gazebo when it spawns from the topic, do not find the mesh, and draw nothing.",
+    what="In the robot that a launch file gives to `robot_state_publisher`, looks for mesh paths "
+    "without a scheme that are relative to the file of the robot.",
+    why="`robot_state_publisher` publishes the text of the robot, but not the path of its file. "
+    "RViz, and Gazebo when it spawns from the topic, do not find the mesh and draw nothing.",
     example='<mesh filename="../meshes/base.stl"/>',
     instead='<mesh filename="package://my_robot/meshes/base.stl"/>',
 )
@@ -32,11 +32,11 @@ MODEL_ADDRESS_IN_RVIZ = Rule(
     code="ROB127",
     name="model-address-in-rviz",
     severity=Severity.WARNING,
-    summary="RViz shows a robot whose meshes have `model://` addresses.",
-    what="Looks at the robot that a launch file gives to `robot_state_publisher`, where the launch "
-    "file starts rviz2, too.",
-    why="RViz finds `package://`, `file://` and `http://` addresses. `model://` is one of Gazebo, "
-    "which finds `package://` addresses, too: RViz draws the robot without these meshes.",
+    summary="RViz does not draw meshes with `model://` addresses.",
+    what="Looks for `model://` meshes in the robot that a launch file gives to "
+    "`robot_state_publisher`, if the launch file also starts rviz2.",
+    why="RViz supports `package://`, `file://` and `http://` addresses; `model://` is an address "
+    "for Gazebo. RViz draws the robot without these meshes. Gazebo also supports `package://`.",
     example='<mesh filename="model://my_robot/meshes/base.stl"/>',
     instead='<mesh filename="package://my_robot/meshes/base.stl"/>',
 )
@@ -73,7 +73,7 @@ def relative_addresses(
             place,
             line,
             f"mesh[@filename='{address}']",
-            message=f"The mesh `{address}` has a relative path, and robot_state_publisher "
+            message=f"The mesh `{address}` has a relative path, but robot_state_publisher "
             "publishes the robot without its folder: neither RViz nor Gazebo finds the file.",
             hint=f"Write {own or 'package://PACKAGE/' + mesh.name}",
         )
@@ -91,8 +91,7 @@ def model_addresses(
             place,
             line,
             f"mesh[@filename='{address}']",
-            message=f"RViz shows the robot, and finds no model:// addresses: `{address}` is not "
-            "drawn there.",
+            message=f"RViz does not find model:// addresses and does not draw `{address}`.",
             hint=f"Write package://{address.removeprefix('model://')}",
         )
 

@@ -56,7 +56,7 @@ def missing_world(plan: LaunchPlan, file: Path, overlay: Overlay) -> Diagnostic:
     )
     if missing == file.name:  # its folder is installed
         named = f": {', '.join(sorted(worlds)[:MOST_LISTED])}" if worlds else ""
-        otherwise = f"Create and install it, or use a world that is there{named}."
+        otherwise = f"Create and install it, or use an existing world{named}."
     # What is validated does not use the packages that are tried here: no look_up().
     place = find_in_package(str(file), overlay.share)
     return MISSING_WORLD.at(
@@ -89,7 +89,7 @@ UNKNOWN_WORLD = Rule(
     code="WLD008",
     name="unknown-world",
     severity=Severity.WARNING,
-    summary="No world file of this name is found; Gazebo may bring one along.",
+    summary="The world file is not found here; Gazebo may install it.",
     why="The simulation uses an empty world with a ground plane instead. If Gazebo has no world of "
     "this name either, it stops.",
     example="launch_arguments={'gz_args': 'my_wrold.sdf'}.items()",
@@ -102,8 +102,8 @@ def unknown_world(plan: LaunchPlan, name: str, environment: Mapping[str, str]) -
     return UNKNOWN_WORLD.at(
         *_where(plan, name),
         name,
-        message=f"No world file {name} is found. If Gazebo brings it along, Gazebo finds it; "
-        "the simulation uses a ground plane instead.",
+        message=f"The world file {name} is not found here. Gazebo finds it if it is installed with "
+        "Gazebo; the simulation uses a ground plane instead.",
         hint=advice(
             name,
             [*gazebo_worlds(), *world_names(environment)],
@@ -116,8 +116,8 @@ WORLD_NOT_HERE = Rule(
     code="WLD061",
     name="world-not-here",
     severity=Severity.INFO,
-    summary="The world is one of Gazebo, or of a ROS package that is not installed here.",
-    why="The simulation of wsgen has a ground plane alone, so what stands in the world is missing.",
+    summary="The world belongs to Gazebo, or to a ROS package that is not installed here.",
+    why="The simulation of wsgen has only a ground plane: the models of the world are missing.",
     example="launch_arguments={'gz_args': 'shapes.sdf'}.items()",
     instead="launch_arguments={'gz_args': os.path.join(share, 'worlds', 'shapes.sdf')}.items()",
 )
@@ -129,8 +129,10 @@ def world_not_here(plan: LaunchPlan, name: str) -> Iterator[Diagnostic]:
         yield WORLD_NOT_HERE.at(
             *_where(plan, name),
             name,
-            message=f"The world {name} is not here: the simulation uses a ground plane instead.",
-            hint="Nothing to do for Gazebo, which finds it where it is installed.",
+            message=f"The world {name} is not installed here: the simulation uses a ground plane "
+            "instead.",
+            hint="No action is needed for Gazebo. To simulate the world here, install the package "
+            "that has it.",
         )
 
 

@@ -28,23 +28,24 @@ UNHEARD_COMMAND = Rule(
     code="LCH097",
     name="unheard-command",
     severity=Severity.WARNING,
-    summary="A node sends commands on a topic that no drive of the robot reads.",
+    summary="A node publishes commands on a topic that no drive of the robot subscribes to.",
     what="Compares the topics on which Python nodes of the workspace publish `Twist` and "
-    "`TwistStamped` with those that plugins, controllers and bridges read, with their remappings. "
-    "Nothing is reported where a node of another kind is started, which may read the topic.",
-    why="The robot stands still, without any error.",
+    "`TwistStamped` with those that plugins, controllers and bridges subscribe to, including "
+    "remappings. Not checked where the launch file starts other nodes, which may subscribe to the "
+    "topic.",
+    why="The robot does not move, and no error is printed.",
     example="self.create_publisher(TwistStamped, '/cmd_vel', 10)\n"
-    "# and a controller that reads /diff_drive_controller/cmd_vel",
+    "# but the controller subscribes to /diff_drive_controller/cmd_vel",
     instead="self.create_publisher(TwistStamped, '/diff_drive_controller/cmd_vel', 10)",
 )
 UNPUBLISHED_TOPIC = Rule(
     code="LCH098",
     name="unpublished-topic",
     severity=Severity.WARNING,
-    summary="A node reads a topic that is nearly one that a bridge publishes.",
-    what="Compares the topics that Python nodes of the workspace read with those that bridges, "
-    "controllers and these nodes publish with the same type.",
-    why="The node waits without end, without any error.",
+    summary="A node subscribes to a misspelled topic.",
+    what="Compares the subscriptions of Python nodes of the workspace with the topics that "
+    "bridges, controllers and these nodes publish with the same type.",
+    why="The node waits forever, and no error is printed.",
     example="self.create_subscription(LaserScan, '/scna', self.on_scan, 10)",
     instead="self.create_subscription(LaserScan, '/scan', self.on_scan, 10)",
 )
@@ -246,21 +247,21 @@ def unheard_commands(graphs: Sequence[Graph], used: Sequence[UsedTopic]) -> Iter
             continue
         drive = meant[0]
         message = (
-            f"{one.file.name} publishes {one.type} on `{one.topic}`, where {drive.owner} reads "
+            f"{one.file.name} publishes {one.type} on `{one.topic}`, but {drive.owner} expects "
             f"{drive.type}."
             if here
-            else f"{one.file.name} publishes {one.type} on `{one.topic}`, which nothing reads; "
-            f"{drive.owner} reads `{drive.topic}`."
+            else f"{one.file.name} publishes {one.type} on `{one.topic}`, which has no subscriber; "
+            f"{drive.owner} subscribes to `{drive.topic}`."
         )
         yield UNHEARD_COMMAND.at(
             one.file,
             one.line,
             one.written,
             message=message,
-            hint=f"Publish {drive.type}."
+            hint=f"Publish {drive.type} instead."
             if here
             else f"{did_you_mean(drive.topic)} If not, remap one of them."
-            + (f" It takes {drive.type}." if drive.type != one.type else ""),
+            + (f" Its type is {drive.type}." if drive.type != one.type else ""),
         )
 
 
@@ -286,7 +287,7 @@ def unpublished_topics(graphs: Sequence[Graph], used: Sequence[UsedTopic]) -> It
                 one.file,
                 one.line,
                 one.written,
-                message=f"{one.file.name} reads `{one.topic}`, which nothing publishes; "
+                message=f"{one.file.name} subscribes to `{one.topic}`, which has no publisher; "
                 f"{meant.owner} publishes `{meant.topic}`{where}.",
                 hint=did_you_mean(meant.topic),
             )

@@ -21,9 +21,9 @@ MALFORMED_PARAMETER_FILE = Rule(
     name="malformed-parameter-file",
     severity=Severity.ERROR,
     severity_varies="a warning about a misspelled `ros__parameters`",
-    summary="A YAML file of parameters, or of a bridge, cannot be read.",
-    what="Reads the YAML files of a package that have `ros__parameters`, or topics of a bridge.",
-    why="The node that is given the file ends with an error, or has none of the parameters.",
+    summary="A parameter file or the configuration file of a bridge is not valid.",
+    what="Reads the YAML files of a package that contain `ros__parameters`, or topics of a bridge.",
+    why="The node that reads the file exits with an error, or gets none of the parameters.",
     example="""
 diff_drive_controller:
   ros_parameters:
@@ -67,11 +67,11 @@ def malformed_parameter_files(file: Path, content: bytes) -> Iterator[Diagnostic
     yield MALFORMED_PARAMETER_FILE.at(
         file,
         line or found.line,
-        message=f"{file.name} is not YAML: "
-        + ("the line is indented with a tab." if line else f"{found.message.rstrip('.')}."),
-        hint="Indent it with spaces, as the lines around it."
+        message=f"{file.name} is not valid YAML: "
+        + ("this line is indented with a tab." if line else f"{found.message.rstrip('.')}."),
+        hint="Indent it with spaces, like the lines around it."
         if line
-        else "Look there and in the line before: indentation, colons, quotes, brackets.",
+        else "Check indentation, colons, quotes and brackets in this line and the one before.",
     )
 
 
@@ -84,7 +84,7 @@ def _misspelled_sections(file: Path, value: yamlfile.Value, level: int = 0) -> I
                 file,
                 inner.line - 1,
                 key,
-                message=f"`{key}` is not the key of parameters: the node does not get them.",
+                message=f"ROS does not read parameters below `{key}`: the node does not get them.",
                 hint="Write `ros__parameters`, with two underscores.",
                 severity=Severity.WARNING,
             )

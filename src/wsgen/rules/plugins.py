@@ -102,9 +102,9 @@ UNKNOWN_PLUGIN = Rule(
     code="ROB100",
     name="unknown-plugin",
     severity=Severity.ERROR,
-    summary="The name of a plugin is nearly that of one of Gazebo, or its class is another one.",
-    what="Compares the file name with those of the systems of Gazebo Sim and of the plugins of "
-    "gazebo_plugins, and `name` with the classes of the system.",
+    summary="The file name or the class of a Gazebo plugin is misspelled.",
+    what="Compares the file name with the systems of Gazebo Sim and the plugins of gazebo_plugins, "
+    "and `name` with the classes of the system.",
     why="Gazebo logs that it cannot load the plugin and continues without it.",
     example='<plugin filename="gz-sim-difdrive-system" name="gz::sim::systems::DiffDrive">',
     instead='<plugin filename="gz-sim-diff-drive-system" name="gz::sim::systems::DiffDrive">',
@@ -139,12 +139,13 @@ PLUGIN_OF_OTHER_SIMULATOR = Rule(
     code="ROB101",
     name="robot-plugin-of-other-simulator",
     severity=Severity.ERROR,
-    severity_varies="information where a plugin for the right simulator does the same",
-    summary="A plugin is not for the simulator of the launch file or of the ROS 2 distribution.",
+    severity_varies="information where the robot also has such a plugin for the right simulator",
+    summary="A plugin does not belong to the simulator of the launch file or of the ROS 2 "
+    "distribution.",
     what="Plugins of gazebo_plugins (`libgazebo_ros_*.so`) are for Gazebo Classic, which Jazzy and "
-    "later do not have; systems (`gz-sim-*-system`) are for Gazebo Sim.",
-    why="The simulator logs that it cannot load the library: the robot does not drive, sensors "
-    "send nothing.",
+    "later do not have; the systems (`gz-sim-*-system`) are for Gazebo Sim.",
+    why="The simulator logs that it cannot load the library: the robot does not drive, and sensors "
+    "publish nothing.",
     example='<plugin name="drive" filename="libgazebo_ros_diff_drive.so">  <!-- in Gazebo Sim -->',
     instead='<plugin name="gz::sim::systems::DiffDrive" filename="gz-sim-diff-drive-system">',
 )
@@ -179,7 +180,10 @@ COUNTERPARTS = {
     "gazebo_ros_p3d": ("odometry-publisher", "pose-publisher"),
     "gazebo_ros_ft_sensor": ("forcetorque",),
 }
-OF_WORLD = "Remove it: the world loads the system for sensors, and ros_gz_bridge brings its topic."
+OF_WORLD = (
+    "Remove it: in Gazebo Sim the world loads a system for the sensors, and ros_gz_bridge "
+    "passes their topics to ROS."
+)
 
 
 def plugin_of_other_simulator(facts: PluginFacts, file: Path | None) -> Iterator[Diagnostic]:
@@ -199,14 +203,14 @@ def plugin_of_other_simulator(facts: PluginFacts, file: Path | None) -> Iterator
         successor = SUCCESSORS.get(name) if wanted == SIM else _predecessor(name)
         hint = f"Use {successor} for {SIMULATOR_NAMES[wanted]}." if successor else OF_WORLD
         if wanted == CLASSIC and successor is None:
-            hint = "Remove it, or start Gazebo Sim (ros_gz_sim)."
+            hint = "Remove it, or start Gazebo Sim with ros_gz_sim."
         yield PLUGIN_OF_OTHER_SIMULATOR.at(
             file,
             plugin.line,
             f"gazebo/plugin[@filename='{plugin.filename}']",
             message=f"The plugin `{plugin.filename}` is for "
-            f"{SIMULATOR_NAMES[CLASSIC if wanted == SIM else SIM]}, and "
-            f"{SIMULATOR_NAMES[wanted]} cannot load it.",
+            f"{SIMULATOR_NAMES[CLASSIC if wanted == SIM else SIM]}; {SIMULATOR_NAMES[wanted]} "
+            "cannot load it.",
             hint=hint,
             severity=Severity.INFO if _is_served(name, right) else None,
         )
@@ -254,8 +258,9 @@ UNKNOWN_PLUGIN_PART = Rule(
     code="ROB102",
     name="unknown-plugin-part",
     severity=Severity.ERROR,
-    summary="A plugin of Gazebo names a joint or link that the robot does not have, or none.",
-    what="Checks the parameters with joints and links of the drives, joint state publishers and "
+    summary="A Gazebo plugin names a joint or link that the robot does not have, or lacks its "
+    "name.",
+    what="Checks the joints and links in parameters of the drives, joint state publishers and "
     "joint controllers of Gazebo Classic and Gazebo Sim.",
     why="The plugin logs an error and does nothing: the robot does not drive, or its joint states "
     "are missing.",
@@ -292,8 +297,8 @@ def plugin_parts(plugin: Plugin, facts: PluginFacts, file: Path | None) -> Itera
             file,
             plugin.line,
             f"gazebo/plugin[@filename='{plugin.filename}']",
-            message=f"The plugin `{plugin.filename}` has no <parameters>, and starts no controller "
-            "manager without them.",
+            message=f"The plugin `{plugin.filename}` has no <parameters>: it does not start a "
+            "controller manager without them.",
             hint="Add <parameters>$(find PACKAGE)/config/controllers.yaml</parameters>.",
         )
     known = PARTS.get(stem(plugin.filename))
@@ -322,7 +327,7 @@ def plugin_parts(plugin: Plugin, facts: PluginFacts, file: Path | None) -> Itera
                     f"{place}/{key}",
                     message=f"The plugin `{plugin.filename}` names the {kind} `{text}`, which "
                     + ("is fixed." if is_fixed else "the robot does not have."),
-                    hint=did_you_mean(near) if near else f"Name a {kind} of this robot that moves.",
+                    hint=did_you_mean(near) if near else f"Name a movable {kind} of this robot.",
                 )
     for key in known.required:
         is_misspelled = nearest(key, plugin.values, cutoff=LIKE_PARAMETER) is not None
@@ -331,8 +336,8 @@ def plugin_parts(plugin: Plugin, facts: PluginFacts, file: Path | None) -> Itera
                 file,
                 plugin.line,
                 place,
-                message=f"The plugin `{plugin.filename}` has no <{key}>, and does nothing "
-                "without it.",
+                message=f"The plugin `{plugin.filename}` has no <{key}>: it does nothing without "
+                "it.",
                 hint=f"Add <{key}>JOINT</{key}>.",
             )
 
@@ -341,10 +346,11 @@ UNREAD_PLUGIN_PARAMETER = Rule(
     code="ROB103",
     name="unread-plugin-parameter",
     severity=Severity.WARNING,
-    summary="A plugin does not read a parameter: it is misspelled, or of another generation.",
-    what="Looks for parameters that are nearly one of the plugin's, for those of ROS 1 "
-    "(`leftJoint`) in plugins of ROS 2, and for those of the other simulator.",
-    why="The plugin silently takes its default: another wheel size, another topic.",
+    summary="A plugin does not read a parameter: it is misspelled, or belongs to ROS 1 or the "
+    "other simulator.",
+    what="Looks for misspelled parameters, for those of ROS 1 (`leftJoint`) in plugins of ROS 2, "
+    "and for those of the other simulator.",
+    why="The plugin silently uses its default: another wheel size, another topic.",
     example="""
 <plugin filename="gz-sim-diff-drive-system" name="gz::sim::systems::DiffDrive">
   <wheel_seperation>0.4</wheel_seperation>
@@ -377,7 +383,7 @@ def unread_parameters(plugin: Plugin, file: Path | None) -> Iterator[Diagnostic]
             file,
             plugin.line,
             place,
-            message=f"The plugin `{plugin.filename}` has parameters of ROS 1, which the one of "
+            message=f"The plugin `{plugin.filename}` has parameters of ROS 1, which the plugin for "
             f"ROS 2 does not read: {some_of([f'<{key}>' for key in old])}.",
             hint=f"Write {', '.join(new)}.",
         )
@@ -413,8 +419,8 @@ SENSOR_WITHOUT_LINK = Rule(
     code="ROB104",
     name="sensor-without-link",
     severity=Severity.WARNING,
-    summary="A `<sensor>` is in a `<gazebo>` element without reference.",
-    why="A sensor belongs to a link. Gazebo silently ignores one that belongs to the whole robot.",
+    summary="A `<sensor>` is in a `<gazebo>` element without `reference`.",
+    why="A sensor belongs to a link. Gazebo silently ignores a sensor without one.",
     example='<gazebo>\n  <sensor name="imu" type="imu"/>\n</gazebo>',
     instead='<gazebo reference="imu_link">\n  <sensor name="imu" type="imu"/>\n</gazebo>',
 )
@@ -425,8 +431,8 @@ SENSOR_NOT_SIMULATED = Rule(
     severity=Severity.WARNING,
     summary="Gazebo Sim does not simulate a sensor of this type.",
     what="Looks for sensors of the types `ray` and `lidar` in robots for Gazebo Sim.",
-    why="Up to Jetty, Gazebo Sim has only laser scanners that use the graphics card: of another "
-    "one it logs that it is not supported, and no scan is sent.",
+    why="Up to Jetty, Gazebo Sim has only laser scanners on the GPU: it logs that the other types "
+    "are not supported, and no scan is published.",
     example='<sensor name="laser" type="ray">',
     instead='<sensor name="laser" type="gpu_lidar">',
 )
@@ -435,9 +441,9 @@ FRAME_WITHOUT_LINK = Rule(
     code="ROB106",
     name="frame-without-link",
     severity=Severity.WARNING,
-    summary="A sensor sends its messages in a frame that no link of the robot has.",
+    summary="The frame of a sensor is not a link of the robot.",
     why="The node robot_state_publisher publishes a frame for each link. RViz and Nav2 discard "
-    "messages of another frame: they cannot be transformed.",
+    "messages in another frame: they cannot be transformed.",
     example="""
 <link name="laser_link">…</link>
 <gazebo reference="laser_link">
@@ -456,9 +462,9 @@ FRAME_OF_SENSOR_UNSET = Rule(
     code="ROB107",
     name="frame-of-sensor-unset",
     severity=Severity.INFO,
-    summary="A sensor in Gazebo Sim does not say in which frame its messages are.",
-    why="Gazebo Sim then writes `MODEL/LINK/SENSOR` as their frame, which is not in /tf: RViz and "
-    "Nav2 discard the messages.",
+    summary="A sensor for Gazebo Sim does not name the frame of its messages.",
+    why="Gazebo Sim then uses the frame `MODEL/LINK/SENSOR`, which is not in /tf: RViz and Nav2 "
+    "discard the messages.",
     example='<sensor name="laser" type="gpu_lidar">…</sensor>',
     instead="""
 <sensor name="laser" type="gpu_lidar">
@@ -480,8 +486,9 @@ def sensors(facts: PluginFacts, file: Path | None) -> Iterator[Diagnostic]:
                     file,
                     sensor.line,
                     place,
-                    message=f"The sensor `{sensor.name}` belongs to no link: Gazebo ignores it.",
-                    hint='Put it into <gazebo reference="LINK"> with the name of its link.',
+                    message=f"The sensor `{sensor.name}` does not belong to a link: Gazebo ignores "
+                    "it.",
+                    hint='Move it to <gazebo reference="LINK">, with the name of its link.',
                 )
                 continue
             if tag.reference not in facts.links:
@@ -519,8 +526,8 @@ def _frames(
             file,
             sensor.line,
             place,
-            message=f"The sensor `{sensor.name}` sends in the frame `{text}` (<{key}>), but no "
-            "link has that name.",
+            message=f"The sensor `{sensor.name}` publishes in the frame `{text}` (<{key}>), but "
+            "the robot has no such link.",
             hint=did_you_mean(near) if near else f"Name a link of this robot: `{link}`.",
         )
     if facts.simulator == SIM and not named and sensor.kind in WITH_FRAMES:
@@ -528,7 +535,7 @@ def _frames(
             file,
             sensor.line,
             place,
-            message=f"The sensor `{sensor.name}` does not say its frame: its messages are in "
+            message=f"The sensor `{sensor.name}` does not name its frame: Gazebo uses "
             f"`MODEL/LINK/{sensor.name}`, which is not in /tf.",
             hint=f"Add <gz_frame_id>{link}</gz_frame_id> to the sensor.",
         )
@@ -538,11 +545,11 @@ DUPLICATE_SENSOR = Rule(
     code="ROB108",
     name="duplicate-sensor",
     severity=Severity.ERROR,
-    summary="Two sensors of one body have the same name.",
-    what="Compares the names of the sensors of each link, together with those of the links that "
-    "fixed joints attach to it: Gazebo lumps them into one.",
-    why="Gazebo's parser reports an error and refuses the robot. It usually happens when a xacro "
-    "macro for a sensor is called twice.",
+    summary="Two sensors of a body have the same name.",
+    what="Compares the names of the sensors of each link, including those of links that fixed "
+    "joints attach to it: Gazebo lumps them into one body.",
+    why="Gazebo's parser reports an error and refuses the robot. Usually a xacro macro for a "
+    "sensor is called twice.",
     example="""
 <gazebo reference="left_camera_link"><sensor name="camera" type="camera"/></gazebo>
 <gazebo reference="right_camera_link"><sensor name="camera" type="camera"/></gazebo>
@@ -579,6 +586,7 @@ def duplicate_sensors(facts: PluginFacts, file: Path | None) -> Iterator[Diagnos
                     f"gazebo[@reference='{tag.reference}']/sensor[@name='{sensor.name}']",
                     message=f"Two sensors of the body `{body}` have the name `{sensor.name}`: "
                     "Gazebo refuses the robot.",
-                    hint="Give each its own name. In a xacro macro, use a parameter as a prefix.",
+                    hint="Give each sensor a different name. In a xacro macro, use a parameter as "
+                    "a prefix.",
                 )
             seen.add((body, sensor.name))

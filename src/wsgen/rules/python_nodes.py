@@ -25,16 +25,16 @@ if TYPE_CHECKING:
     from wsgen.workspace.python_nodes import NodeClass, NodeFile
 
 
-OF_MODULE = "a warning in a module that no program of the package starts"
+OF_MODULE = "a warning in a module that no program of the package uses"
 MISSPELLED_IMPORT = Rule(
     code="PKG105",
     name="misspelled-import",
     severity=Severity.ERROR,
     severity_varies=OF_MODULE,
-    summary="A node imports a module whose name is that of a ROS package with a typing mistake.",
-    what="Looks at the imports of installed Python files that neither Python nor the workspace "
-    "has.",
-    why="The node ends with a `ModuleNotFoundError` when it is started.",
+    summary="A node imports a ROS package by a misspelled name.",
+    what="Looks for imports of installed Python files that neither Python nor the workspace "
+    "provides.",
+    why="The node exits with a `ModuleNotFoundError` when it is started.",
     example="from geometry_msg.msg import Twist",
     instead="from geometry_msgs.msg import Twist",
 )
@@ -44,8 +44,9 @@ UNKNOWN_MESSAGE = Rule(
     severity=Severity.ERROR,
     severity_varies=OF_MODULE,
     summary="A node imports a message, service or action that its package does not have.",
-    what="Looks at the interfaces of packages that all distributions have, and of the workspace.",
-    why="The node ends with an `ImportError` when it is started.",
+    what="Checks the interfaces of packages that all distributions have, and those of the "
+    "workspace.",
+    why="The node exits with an `ImportError` when it is started.",
     example="from geometry_msgs.msg import Odometry",
     instead="from nav_msgs.msg import Odometry",
 )
@@ -54,8 +55,8 @@ UNKNOWN_MEMBER = Rule(
     name="unknown-member",
     severity=Severity.ERROR,
     severity_varies=OF_MODULE,
-    summary="A node uses a method or an attribute of itself that it does not have.",
-    what="Looks at classes of nodes whose bases are all known, and which set no attributes by "
+    summary="A node uses a method or an attribute of `self` that does not exist.",
+    what="Checks node classes whose base classes are all known, and which do not set attributes by "
     "computed names.",
     why="The node ends with an `AttributeError` when it comes to this line.",
     example="self.create_timer(0.1, self.tick)  # def tik(self)",
@@ -67,7 +68,7 @@ UNKNOWN_FIELD = Rule(
     severity=Severity.ERROR,
     severity_varies=OF_MODULE,
     summary="A node uses a field that a message does not have.",
-    what="Looks at the messages that a function makes, and that callbacks get.",
+    what="Checks the messages that a function creates and that callbacks receive.",
     why="The node ends with an `AttributeError` when it comes to this line.",
     example="command = Twist()\ncommand.liner.x = 0.2",
     instead="command = Twist()\ncommand.linear.x = 0.2",
@@ -77,8 +78,8 @@ UNDEFINED_NAME = Rule(
     name="undefined-name-in-node",
     severity=Severity.ERROR,
     severity_varies=OF_MODULE,
-    summary="A node uses a name that its file does not define or import.",
-    why="The node ends with a `NameError` when it comes to this line.",
+    summary="A node uses a name that its file neither defines nor imports.",
+    why="The node exits with a `NameError` when it reaches this line.",
     example="self.create_subscription(LaserScan, 'scan', self.on_scan, 10)  # not imported",
     instead="from sensor_msgs.msg import LaserScan",
 )
@@ -86,8 +87,8 @@ IDLE_PROGRAM = Rule(
     code="BLD074",
     name="idle-program",
     severity=Severity.WARNING,
-    summary="An installed Python program defines `main()` and does not call it.",
-    why="The program ends at once, without an error and without having done anything.",
+    summary="An installed Python program defines `main()` but does not call it.",
+    why="The program exits at once without an error, and does nothing.",
     example="#!/usr/bin/env python3\ndef main():\n    rclpy.init()",
     instead="#!/usr/bin/env python3\ndef main():\n    rclpy.init()\n\n\n"
     "if __name__ == '__main__':\n    main()",
@@ -97,11 +98,11 @@ INVALID_NODE_CALL = Rule(
     name="invalid-node-call",
     severity=Severity.ERROR,
     severity_varies=OF_MODULE,
-    summary="A node calls a method of `rclpy` with arguments that it refuses.",
-    what="Looks at the arguments of `create_publisher()`, `create_subscription()`, "
-    "`create_service()`, `create_client()` and `create_timer()`, at callbacks that are called "
-    "instead of passed, and at `super().__init__()` without the name of the node.",
-    why="The node ends with a `TypeError` or an `AttributeError`.",
+    summary="A node calls a method of `rclpy` with wrong arguments.",
+    what="Checks the arguments of `create_publisher()`, `create_subscription()`, "
+    "`create_service()`, `create_client()` and `create_timer()`, and reports callbacks that are "
+    "called instead of passed, and `super().__init__()` without the node name.",
+    why="The node exits with a `TypeError` or an `AttributeError`.",
     example="self.timer = self.create_timer(0.1, self.tick())",
     instead="self.timer = self.create_timer(0.1, self.tick)",
 )
@@ -143,8 +144,8 @@ def misspelled_imports(node: NodeFile, workspace: Collection[str]) -> Iterator[D
                     node.file,
                     one.lineno,
                     top,
-                    message=f"No package has the Python module `{top}`, which {node.file.name} "
-                    "imports.",
+                    message=f"{node.file.name} imports the Python module `{top}`, which no package "
+                    "has.",
                     hint=did_you_mean(meant),
                 )
 
@@ -228,8 +229,8 @@ def undefined_names(node: NodeFile, imported: Collection[str] = ()) -> Iterator[
                 node.file,
                 line,
                 name,
-                message=f"name '{name}' is not defined: {node.file.name} does not define or "
-                "import it.",
+                message=f"The name `{name}` is not defined: {node.file.name} neither defines nor "
+                "imports it.",
                 hint=_how_to_define(name, known),
             )
 
@@ -421,7 +422,8 @@ def _arguments(node: NodeFile, one: NodeClass, call: ast.Call, name: str) -> Ite
             node.file,
             call.lineno,
             name,
-            message=f"The first argument of {name}() is the type, and the second the name.",
+            message=f"Swap them: the first argument of {name}() is the type, the second one is the "
+            "name.",
             hint=usage,
         )
         return
@@ -443,7 +445,7 @@ def _arguments(node: NodeFile, one: NodeClass, call: ast.Call, name: str) -> Ite
                 node.file,
                 callback.lineno,
                 name,
-                message=f"{name}() is given what `{text}()` returns, which is None, and not the "
+                message=f"{name}() gets the result of `{text}()`, which is None, instead of the "
                 "method.",
                 hint=f"Remove the parentheses: {text}",
             )
@@ -485,8 +487,9 @@ def _unnamed(node: NodeFile, one: NodeClass) -> Iterator[Diagnostic]:
             node.file,
             made.lineno,
             one.definition.name,
-            message=f"`{one.definition.name}.__init__()` does not call that of rclpy's Node.",
-            hint=f"Write as its first line: {example}",
+            message=f"`{one.definition.name}.__init__()` does not call `__init__()` of rclpy's "
+            "Node.",
+            hint=f"Add as its first line: {example}",
         )
     for call in calls:
         assert isinstance(call.func, ast.Attribute)  # noqa: S101  as chosen above
@@ -496,7 +499,7 @@ def _unnamed(node: NodeFile, one: NodeClass) -> Iterator[Diagnostic]:
                 node.file,
                 call.lineno,
                 one.definition.name,
-                message="The node is given no name: rclpy's Node lacks its argument `node_name`.",
+                message="The call of rclpy's Node lacks the argument `node_name`.",
                 hint=f"Write: {example}",
             )
 
@@ -511,9 +514,9 @@ def idle_program(node: NodeFile) -> Iterator[Diagnostic]:
             node.file,
             mains[0].lineno,
             "main",
-            message=f"{node.file.name} defines main() and does not call it: the program ends at "
-            "once.",
-            hint="Add at its end: if __name__ == '__main__': main()",
+            message=f"{node.file.name} defines main() but does not call it: the program exits at "
+            "once and does nothing.",
+            hint="Add at the end of the file: if __name__ == '__main__': main()",
         )
 
 
@@ -604,7 +607,7 @@ def _unknown_fields(
         hint = (
             did_you_mean(f"{ast.unparse(use.value)}.{deeper[0]}.{name}")
             if len(deeper) == 1
-            else f"{ask_for_nearest(name, fields)}It has {', '.join(fields) or 'no field'}."
+            else f"{ask_for_nearest(name, fields)}Its fields: {', '.join(fields) or 'none'}."
         )
         yield UNKNOWN_FIELD.at(
             node.file,

@@ -25,12 +25,12 @@ NO_RESOURCE_PATH = Rule(
     name="no-resource-path",
     severity=Severity.WARNING,
     summary="Gazebo does not find the meshes of a robot: its search path lacks their package.",
-    what="Looks, where a spawned robot has meshes of `package://` or `model://` in a package of "
-    "the workspace, in the folders of the variable that the simulator reads, as the launch file, "
-    "environment hooks and the shell set it, and of `<gazebo_ros gazebo_model_path=...>` in "
-    "package.xml, where the launch file of `ros_gz_sim` or `gazebo_ros` reads that.",
-    why="RViz finds the meshes by the package. Gazebo looks for `model://PACKAGE` in its own "
-    "search path: the robot is invisible there, and what collides by a mesh falls through the "
+    what="For `package://` and `model://` meshes of spawned robots in packages of the workspace, "
+    "searches the folders of the simulator's variable as the launch file, environment hooks and "
+    "the shell set it, and those of `<gazebo_ros gazebo_model_path=...>` in package.xml where the "
+    "launch file of `ros_gz_sim` or `gazebo_ros` reads it.",
+    why="RViz finds the meshes by their package. Gazebo looks for `model://PACKAGE` in its own "
+    "search path: the robot is invisible there, and links with collision meshes fall through the "
     "ground.",
     example='<mesh filename="package://my_robot/meshes/base.stl"/>',
     instead="<!-- package.xml of my_robot -->\n<export>\n"
@@ -91,11 +91,11 @@ def _why(kind: str, path: SearchPath) -> str:
     variable = VARIABLES[kind][0]
     if path.has_exports and not path.reads_exports:
         return (
-            "<gazebo_ros> in package.xml is read by the launch file of "
-            f"{_LAUNCH_FILE[kind].rpartition(' ')[2]} alone, which does not start it here"
+            f"only the launch file of {_LAUNCH_FILE[kind].rpartition(' ')[2]}, which is not used "
+            "here, reads <gazebo_ros> in package.xml"
         )
     if path.set_in_vain:
-        return f"it reads {variable}, and not {path.set_in_vain}"
+        return f"it reads {variable}, not {path.set_in_vain}"
     if path.folders:
         return f"no folder of {variable} has the package"
     return f"nothing adds the folder of the package to {variable}"

@@ -38,11 +38,10 @@ PATH_OF_ONE_MACHINE = Rule(
     code="ROB114",
     name="path-of-one-machine",
     severity=Severity.WARNING,
-    summary="The address of a mesh or texture is a path in the folders of one user.",
+    summary="The path of a mesh or texture exists on one machine only.",
     what="Looks for paths below `/home`, `/Users`, `/root`, `/mnt`, `/media` and `/tmp`, and for "
     "Windows paths. `file://$(find PACKAGE)/…` is right.",
-    why="The file is there on this machine only: elsewhere, and after a move, the robot has no "
-    "shape.",
+    why="The file does not exist on other machines, or after a move: the robot has no shape there.",
     example='<mesh filename="file:///home/ada/ws/src/my_robot/meshes/base.stl"/>',
     instead='<mesh filename="package://my_robot/meshes/base.stl"/>',
 )
@@ -63,7 +62,7 @@ def path_of_one_machine(
             element.line_of("filename"),
             f"{element.tag}[@filename='{address}']",
             message=f"The path `{address}` exists on this machine only.",
-            hint="Put the file into the package, and write package://PACKAGE/meshes/….",
+            hint="Copy the file into the package, and write package://PACKAGE/meshes/….",
         )
 
 
@@ -71,9 +70,9 @@ UNPREFIXED_XACRO = Rule(
     code="ROB115",
     name="unprefixed-xacro",
     severity=Severity.WARNING,
-    summary="An element of xacro is written without its prefix.",
+    summary="A xacro element lacks the prefix `xacro:`.",
     what="Looks for `<property>`, `<macro>`, `<include>`, `<arg>`, `<if>`, `<unless>` and "
-    "`<insert_block>` among the links and joints, with the attributes that they have in xacro.",
+    "`<insert_block>` among the links and joints, with the attributes of the xacro elements.",
     why="The prefix is required since ROS Jade. Without it the element is copied to the "
     "URDF, where every program ignores it.",
     example='<property name="radius" value="0.1"/>',
@@ -95,7 +94,8 @@ def unprefixed_xacro(elements: Iterable[Written]) -> Iterator[Diagnostic]:
             element.file,
             element.line,
             element.tag if name is None else f"{element.tag}[@name='{name}']",
-            message=f"<{element.tag}> is an element of xacro without the prefix: it has no effect.",
+            message=f"<{element.tag}> is a xacro element without the prefix `xacro:`: it has no "
+            "effect.",
             hint=f"Write <xacro:{element.tag}>.",
         )
 
@@ -104,9 +104,8 @@ UNCALLED_MACRO = Rule(
     code="ROB116",
     name="uncalled-macro",
     severity=Severity.INFO,
-    summary="A xacro file defines a macro and does not call it.",
-    what="Looks at the macros of the file that is expanded, not at those of files that it "
-    "includes.",
+    summary="A xacro file defines a macro but does not call it.",
+    what="Checks the macros of the expanded file, not those of included files.",
     why="The links and joints in the macro are not part of the robot.",
     example="""
 <xacro:macro name="wheel" params="prefix">…</xacro:macro>
@@ -137,7 +136,7 @@ def uncalled_macros(elements: Sequence[Written], main: Path) -> Iterator[Diagnos
                 element.file,
                 element.line,
                 f"{MACRO}[@name='{name}']",
-                message=f"The macro `{name}` is never called: what it describes is not part of "
+                message=f"The macro `{name}` is never called: its links and joints are not part of "
                 "the robot.",
-                hint=f"Write <xacro:{name} …/> after its definition, or remove it.",
+                hint=f"Write <xacro:{name} …/> after its definition, or remove the macro.",
             )

@@ -48,7 +48,7 @@ INERTIA_FACTOR = 30.0  # times the solid's largest moment, or that part of it
 
 # What becomes of the child of a joint that is ignored, by simulator.
 LOOSE = {
-    None: "in Gazebo Classic `{}` falls off, Gazebo Sim refuses the robot",
+    None: "`{}` falls off in Gazebo Classic, and Gazebo Sim refuses the robot",
     "classic": "`{}` falls off",
     "gz": "Gazebo Sim refuses the robot, because `{}` is placed relative to it",
 }
@@ -80,9 +80,9 @@ NUMBER_BEYOND_ENGINES = Rule(
     severity=Severity.ERROR,
     summary="A number is too large for any physics engine.",
     what="Looks for masses, moments of inertia, positions, sizes, damping and friction beyond 1e15 "
-    'in SI units. Limits of joints may be larger: that is how descriptions write "no limit".',
-    why="Next to such a number every other number is lost in rounding, and its square overflows: "
-    "the state of the whole robot becomes not-a-number in the first step.",
+    'in SI units. Limits of joints may be larger: descriptions use such values for "no limit".',
+    why="All other numbers are lost in rounding, and the square of such a number overflows: the "
+    "state of the whole robot becomes not-a-number in the first step.",
     example='<mass value="1e308"/>',
     instead='<mass value="1.5"/>  <!-- kg -->',
 )
@@ -110,11 +110,11 @@ IMPLAUSIBLE_SIZE = Rule(
     name="implausible-size",
     severity=Severity.WARNING,
     summary="The robot is larger than 100 m or smaller than 1 mm.",
-    what="Measures the frames of the links and their primitive shapes with all joints at zero. "
+    what="Measures the extent of the link frames and primitive shapes with all joints at zero. "
     "Meshes are not measured.",
-    why="Lengths in a URDF are in meters. Written in millimeters, the robot is 1000 times too "
-    "large and falls accordingly slowly; a robot that is too small is thinner than the contacts of "
-    "the physics engine.",
+    why="Lengths in a URDF are in meters. With millimeters the robot is 1000 times too large and "
+    "seems to fall slowly; a robot that is too small is thinner than the contacts of the physics "
+    "engine.",
     example='<box size="400 300 200"/>',
     instead='<box size="0.4 0.3 0.2"/>',
 )
@@ -132,10 +132,10 @@ def implausible_size(
             file,
             links[0].line,
             "robot",
-            message=f"The robot measures {extent:.3g} m.",
-            hint="Lengths of a URDF are in meters: divide millimeters by 1000."
+            message=f"The size of the robot is {extent:.3g} m.",
+            hint="Use meters: divide millimeters by 1000."
             if extent > LARGEST
-            else "Lengths of a URDF are in meters; a physics engine needs some millimeters.",
+            else "Use meters; a physics engine needs a robot of at least some millimeters.",
         )
 
 
@@ -143,12 +143,13 @@ OVERSIZED_PART = Rule(
     code="ROB145",
     name="oversized-part",
     severity=Severity.WARNING,
-    severity_varies="an error where the run of the robot fails",
+    severity_varies="an error where the simulation of the robot fails",
     summary="A moving part is many times larger than the rest of the robot.",
-    what="Compares each primitive shape of the links that movable joints carry with the largest of "
-    "the others and the distances between the frames; reports more than 15 times that.",
+    what="Compares each primitive shape of links on movable joints with the largest of the other "
+    "shapes and the distances between the frames; reports factors above 15.",
     why="Lengths in a URDF are in meters. A wheel with its radius in centimeters is a hundred "
-    "times too large: the robot is spawned deep in the ground, or the wheel throws it away.",
+    "times too large: the robot is spawned deep in the ground, or contact forces throw it into the "
+    "air.",
     example='<link name="wheel">\n'
     '  <collision><geometry><cylinder radius="8" length="0.04"/></geometry></collision>\n'
     "</link>",
@@ -191,7 +192,7 @@ def oversized_parts(
             f"link[@name='{link.name}']",
             message=f"The link `{link.name}` is {_described(shape)}, {_rounded(size / rest)} times "
             "as large as the rest of the robot.",
-            hint=f"Lengths of a URDF are in meters: if it is {_number_of(shape):g} {unit}, write "
+            hint=f"Use meters: for {_number_of(shape):g} {unit}, write "
             f"{_number_of(shape) / times:g}.",
         )
 
@@ -211,8 +212,8 @@ IMPLAUSIBLE_MASS = Rule(
     severity=Severity.WARNING,
     summary="The robot is heavier than 1000 t, a moving part is lighter than 1 mg, or a mass is in "
     "grams.",
-    what="Adds up the masses of all links, and looks for links below 1 mg that no fixed joint "
-    "connects to others, and for those of which a thousandth of the mass fits inertia and shape.",
+    what="Adds up the masses of all links, and looks for links below 1 mg without a fixed joint to "
+    "other links, and for links whose inertia and shape fit a thousandth of the mass.",
     why="Masses in a URDF are in kilograms. Joints between very light and heavy parts shake or "
     "break, and older versions of Gazebo drop a link below 1 mg and everything attached to it.",
     example='<mass value="1e-9"/>',
@@ -231,7 +232,7 @@ def implausible_mass(
             links[0].line,
             "robot",
             message=f"The robot weighs {mass:.3g} kg.",
-            hint="Masses of a URDF are in kilograms: divide grams by 1000.",
+            hint="Write masses in kilograms: divide grams by 1000.",
         )
     fixed = {
         end
@@ -251,7 +252,7 @@ def implausible_mass(
                 f"link[@name='{link.name}']/inertial/mass",
                 message=f"The link `{link.name}` weighs {link.inertial.mass:.3g} kg: Gazebo "
                 "Classic treats it as massless and drops it with everything attached to it.",
-                hint="Masses of a URDF are in kilograms.",
+                hint="Write the mass in kilograms.",
             )
 
 
@@ -259,15 +260,14 @@ IMPLAUSIBLE_INERTIA = Rule(
     code="ROB050",
     name="implausible-inertia",
     severity=Severity.WARNING,
-    severity_varies="a note about a link that fixed joints attach to one with mass: only the "
-    "sum counts",
+    severity_varies="information about a link that fixed joints attach to a link with mass: only "
+    "the sum matters",
     summary="The inertia of a link does not fit its mass and shape.",
     what="For a link with one primitive shape, compares the largest principal moment with that of "
-    "a homogeneous body of this shape and the link's mass. The two may differ by a factor of 30. "
-    "Of a mesh and of several shapes it is that of the box around them, of which the inertia may "
-    "be a thousandth.",
-    why="With too large an inertia the link hardly turns; with too small a one joints shake or the "
-    "simulation explodes. Such values are usually copied from another robot.",
+    "a homogeneous body of this shape and mass; reports factors above 30. For a mesh or several "
+    "shapes, compares it with that of their bounding box; reports less than a thousandth.",
+    why="If the inertia is too large, the link hardly turns; if it is too small, joints shake or "
+    "the simulation explodes. Such values are usually copied from another robot.",
     example="""
 <link name="drum">
   <inertial>
@@ -316,8 +316,8 @@ def implausible_inertia(
                 f"link[@name='{link.name}']/inertial/mass",
                 message=f"The mass of the link `{link.name}` ({link.inertial.mass:g} kg) is too "
                 f"large for its inertia and for {_described(shape)}.",
-                hint="Masses of a URDF are in kilograms: if it is in grams, write "
-                f'<mass value="{link.inertial.mass / 1000:g}"/>. Its inertia fits that.',
+                hint="If the mass is in grams, write "
+                f'<mass value="{link.inertial.mass / 1000:g}"/> (kg), which fits the inertia.',
             )
             continue
         yield IMPLAUSIBLE_INERTIA.at(
@@ -326,7 +326,8 @@ def implausible_inertia(
             f"link[@name='{link.name}']/inertial/inertia",
             message=f"The inertia of the link `{link.name}` ({largest:.4g} kg m²) is "
             f"{ratio(times)} that of {_described(shape)} of {link.inertial.mass:g} kg.",
-            hint=f"For a homogeneous body: {as_attributes(solid)} (kg m², the products 0).",
+            hint=f"If the mass and the shape are right, write {as_attributes(solid)} (kg m², "
+            "products 0).",
             severity=Severity.INFO if link.name in attached else None,
         )
 
@@ -362,10 +363,10 @@ MASSLESS_ROOT = Rule(
     name="massless-root",
     severity=Severity.INFO,
     summary="The root link has no mass.",
-    what="Looks for a root link without mass to which other links are fixed; names those that "
-    "Gazebo lumps into it, directly or one by the other, and the mass of the robot.",
+    what="Looks for a root link without mass that has fixed joints; lists all links that Gazebo "
+    "lumps into it, and the mass of the robot.",
     why="Gazebo lumps fixed links into their parent and keeps the parent's name: the body of the "
-    "robot is named after the empty root link, and `<gazebo reference>` and sensors move with it.",
+    "robot has the name of the empty root link, which `<gazebo reference>` and sensors follow.",
     example="""
 <link name="base_footprint"/>
 <joint name="base_joint" type="fixed">
@@ -414,7 +415,7 @@ def massless_root(
             f"{some_of([f'`{name}`' for name in lumped])} into it and calls the body "
             f"`{root.name}`. The robot weighs {robot_mass:.4g} kg.",
             hint=f"Keep `{root.name}`: Nav2 and robot_state_publisher expect such a link. Where a "
-            f"plugin of Gazebo names a link, write `{root.name}` for `{fixed[0].child}`.",
+            f"Gazebo plugin names a link, write `{root.name}` instead of `{fixed[0].child}`.",
         )
 
 
@@ -476,7 +477,7 @@ def no_collision(
             links[0].line,
             "robot",
             message="No link has a <collision>: the robot falls through the ground.",
-            hint="Copy <geometry> and <origin> of the <visual> into a <collision>.",
+            hint="Add a <collision> with the <geometry> and <origin> of each <visual>.",
         )
 
 
@@ -485,8 +486,8 @@ NO_VISUAL = Rule(
     name="no-visual",
     severity=Severity.INFO,
     summary="A link has a `<collision>` but no `<visual>`.",
-    what="Looks for links with mass and `<collision>` and without `<visual>`.",
-    why="The part is invisible in RViz and Gazebo, but other things collide with it.",
+    what="Looks for links with mass and `<collision>` but without `<visual>`.",
+    why="The link is invisible in RViz and Gazebo, but other objects collide with it.",
     example="""
 <link name="base_link">
   <collision><geometry><box size="0.4 0.3 0.2"/></geometry></collision>
@@ -511,7 +512,7 @@ def no_visual(links: Iterable[Link], file: Path | None) -> Iterator[Diagnostic]:
                 link.line,
                 f"link[@name='{link.name}']",
                 message=f"The link `{link.name}` has a <collision> but no <visual>.",
-                hint="Copy <geometry> and <origin> of the <collision> into a <visual>.",
+                hint="Add a <visual> with the <geometry> and <origin> of the <collision>.",
             )
 
 
@@ -520,7 +521,7 @@ LOOSE_JOINT = Rule(
     name="loose-joint",
     severity=Severity.WARNING,
     severity_varies="an error for Gazebo Sim, which refuses the robot",
-    summary="A joint is floating or planar: Gazebo does not create it.",
+    summary="Gazebo does not create floating and planar joints.",
     why="Gazebo's parser ignores the joint. In Gazebo Classic the child is a separate body and "
     "falls off; Gazebo Sim refuses the robot, because the child is placed relative to a joint that "
     "does not exist.",
@@ -557,9 +558,9 @@ def loose_joint(
                 file,
                 joint.line,
                 f"joint[@name='{joint.name}']",
-                message=f"Gazebo has no {joint.type.value} joints and ignores `{joint.name}`: "
-                f"{LOOSE[simulator].format(joint.child)}.",
-                hint=f"Make `{joint.child}` the root, or use prismatic and revolute joints.",
+                message=f"Gazebo does not support {joint.type.value} joints and ignores "
+                f"`{joint.name}`: {LOOSE[simulator].format(joint.child)}.",
+                hint=f"Make `{joint.child}` the root link, or use prismatic and revolute joints.",
                 severity=Severity.ERROR if simulator == "gz" else Severity.WARNING,
             )
 
@@ -568,7 +569,7 @@ STARTS_OUTSIDE_LIMITS = Rule(
     code="ROB070",
     name="starts-outside-limits",
     severity=Severity.INFO,
-    summary="The limits of a joint do not include 0, the position it is spawned at.",
+    summary="The limits of a joint do not include 0, the position at which it is spawned.",
     what="Looks for revolute and prismatic joints whose limits do not include 0.",
     why="Simulators spawn a robot with all joints at 0 and then push this joint to its limit with "
     "a jolt. Give the spawner a start position (`-J` in Gazebo Classic), or move the zero of the "
@@ -593,7 +594,8 @@ def starts_outside_limits(joints: Iterable[Joint], file: Path | None) -> Iterato
             f"joint[@name='{joint.name}']/limit",
             message=f"The joint `{joint.name}` is spawned at 0, outside its limits "
             f"{limit.lower:g} to {limit.upper:g}: simulators push it to the nearest limit.",
-            hint="Give the spawner a start position, or choose limits that include 0.",
+            hint="Give the spawner a start position (`-J` in Gazebo Classic), or choose limits "
+            "that include 0.",
         )
 
 
@@ -628,7 +630,7 @@ def _beyond(
             line,
             f"{place}/{what}",
             message=f"The number {largest:.3g} is too large for any physics engine.",
-            hint="Use meters, kilograms and seconds.",
+            hint="Write the value in SI units (meters, kilograms, seconds).",
         )
 
 

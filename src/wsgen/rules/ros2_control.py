@@ -94,8 +94,9 @@ UNKNOWN_CONTROLLED_JOINT = Rule(
     name="unknown-controlled-joint",
     severity=Severity.ERROR,
     summary="`<ros2_control>` names a joint that the robot does not have.",
-    why="From Jazzy on the controller manager refuses the whole description; before, Gazebo's "
-    "plugin skips the joint, and every controller that claims it fails to start.",
+    why="From Jazzy on, the controller manager refuses the whole description. In earlier "
+    "distributions Gazebo's plugin skips the joint, and every controller that claims it fails to "
+    "start.",
     example="""
 <joint name="arm_joint" type="revolute">…</joint>
 <ros2_control name="arm" type="system">
@@ -116,11 +117,12 @@ CONTROLLED_FIXED_JOINT = Rule(
     code="ROB088",
     name="controlled-fixed-joint",
     severity=Severity.ERROR,
-    severity_varies="a warning for Humble and Iron, and of hardware that is not Gazebo's where the "
-    "distribution is not known",
+    severity_varies="a warning for Humble and Iron, and for hardware that is not Gazebo's where "
+    "the distribution is not known",
     summary="`<ros2_control>` names a fixed joint.",
-    why="A fixed joint cannot be commanded. From Jazzy on the controller manager refuses the "
-    "description; Gazebo has lumped the joint away, and its controllers fail to start.",
+    why="A fixed joint takes no commands. From Jazzy on, the controller manager refuses the "
+    "description. Gazebo removes the joint when it lumps links, and controllers that claim it fail "
+    "to start.",
     example="""
 <joint name="tool_joint" type="fixed">…</joint>
 <ros2_control …>
@@ -140,11 +142,12 @@ COMMANDED_MIMIC_JOINT = Rule(
     name="commanded-mimic-joint",
     severity=Severity.WARNING,
     severity_varies="an error for Jazzy and later",
-    summary="`<ros2_control>` commands a joint that mimics another one, or lacks that other one.",
+    summary="`<ros2_control>` commands a joint that mimics another joint, or lacks that other "
+    "joint.",
     what="Looks for joints with `<mimic>` in the URDF that have a `<command_interface>` without "
-    '`mimic="false"`, or whose leader is not a joint of the same `<ros2_control>`. Not for Humble '
-    "and Iron, which take the leader from a parameter.",
-    why="From Jazzy on the controller manager refuses the description.",
+    '`mimic="false"`, or whose leader is not a joint of the same `<ros2_control>`. Not checked '
+    "for Humble and Iron, where a parameter names the leader.",
+    why="From Jazzy on, the controller manager refuses the description.",
     example="""
 <joint name="right_finger" type="prismatic">… <mimic joint="left_finger"/></joint>
 <ros2_control …>
@@ -228,7 +231,7 @@ def _follower(
             place,
             message=f"The joint `{part.name}` of <ros2_control> mimics `{leader}`, which is not in "
             "the same <ros2_control>.",
-            hint=f'Add <joint name="{leader}"> to it.',
+            hint=f'Add <joint name="{leader}"> to this <ros2_control>.',
             severity=severity,
         )
 
@@ -237,8 +240,8 @@ INCOMPLETE_CONTROL = Rule(
     code="ROB090",
     name="incomplete-ros2-control",
     severity=Severity.ERROR,
-    severity_varies="a warning where only the hardware is missing, which another argument of a "
-    "xacro file may add",
+    severity_varies="a warning where only the hardware is missing, which another value of a xacro "
+    "argument may add",
     summary="`<ros2_control>` lacks a name, a type or a hardware plugin, or has unknown elements.",
     why="The controller manager refuses the description, and no controller starts.",
     example="""
@@ -292,9 +295,8 @@ DUPLICATE_CONTROL = Rule(
     name="duplicate-ros2-control",
     severity=Severity.ERROR,
     summary="Two `<ros2_control>` elements have the same name.",
-    why="The controller manager keeps hardware by name: it refuses the second one, or never "
-    "activates it, and the joints in it do not move. It happens where a macro of xacro is called "
-    "twice.",
+    why="The controller manager identifies hardware by its name: it refuses the second one or "
+    "never activates it, and its joints do not move. Usually a xacro macro is called twice.",
     example="""
 <ros2_control name="arm" type="system">
   …<joint name="arm_joint">…</joint>
@@ -326,9 +328,9 @@ def duplicate_systems(systems: Iterable[ControlSystem], file: Path | None) -> It
             file,
             system.line,
             f"ros2_control[@name='{system.name}']",
-            message=f"Another <ros2_control>{where} has the name `{system.name}`, too: the "
+            message=f"Another <ros2_control>{where} also has the name `{system.name}`: the "
             "hardware of one of them is not used.",
-            hint="Give each its own name; in a macro, put its prefix into it: "
+            hint="Give each a different name; in a macro, add a prefix: "
             'name="${prefix}' + system.name + '".',
         )
 
@@ -346,7 +348,10 @@ def _lacking(system: ControlSystem, what: str) -> Iterator[tuple[str, str]]:
         )
     for other in dict.fromkeys(system.others):
         near = nearest(other, ("joint", "sensor", "gpio", "hardware", "transmission"))
-        message = f"<{other}> is not an element of <ros2_control>: the description is refused."
+        message = (
+            f"<{other}> is not an element of <ros2_control>: the controller manager refuses "
+            "the description."
+        )
         yield message, f"Write <{near}>." if near else f"Remove <{other}> from <ros2_control>."
 
 
@@ -354,11 +359,10 @@ UNKNOWN_INTERFACE = Rule(
     code="ROB091",
     name="unknown-interface",
     severity=Severity.WARNING,
-    summary="An interface of a joint in `<ros2_control>` is misspelled, or Gazebo does not have "
-    "it.",
-    what="Of Gazebo's hardware, takes `position`, `velocity` and `effort`; of other hardware, "
-    "reports names that are nearly one of these.",
-    why="Gazebo ignores the interface, and a controller that claims it fails to start.",
+    summary="A joint interface in `<ros2_control>` is misspelled, or Gazebo does not support it.",
+    what="For Gazebo's hardware, allows `position`, `velocity` and `effort`; for other hardware, "
+    "reports misspellings of these names.",
+    why="Gazebo ignores the interface; a controller that claims it fails to start.",
     example='<joint name="arm_joint"><command_interface name="positon"/></joint>',
     instead='<joint name="arm_joint"><command_interface name="position"/></joint>',
 )
@@ -381,9 +385,7 @@ def unknown_interfaces(system: ControlSystem, file: Path | None) -> Iterator[Dia
                     part.line,
                     _place(system, part),
                     message=f"The joint `{part.name}` has the {tag} interface `{name}`, which "
-                    + (
-                        "Gazebo does not have: it is ignored." if is_gazebo else "looks misspelled."
-                    ),
+                    + ("Gazebo ignores." if is_gazebo else "looks misspelled."),
                     hint=f'Write <{tag}_interface name="{near}"/>.'
                     if near in OF_GAZEBO
                     else f"Use {', '.join(OF_GAZEBO[:2])} or {OF_GAZEBO[2]}.",
@@ -394,9 +396,9 @@ UNKNOWN_HARDWARE = Rule(
     code="ROB092",
     name="unknown-hardware",
     severity=Severity.ERROR,
-    summary="A package does not have the class that `<hardware>` names.",
-    what="Knows the classes of gz_ros2_control, ign_ros2_control, gazebo_ros2_control and of the "
-    "mock components.",
+    summary="`<hardware>` names a class that its package does not have.",
+    what="Compares the class with those of gz_ros2_control, ign_ros2_control, gazebo_ros2_control "
+    "and the mock components.",
     why="The class cannot be loaded, and no controller starts.",
     example="<plugin>gz_ros2_control/GazeboSystem</plugin>",
     instead="<plugin>gz_ros2_control/GazeboSimSystem</plugin>",
@@ -406,12 +408,12 @@ UNSUITED_HARDWARE = Rule(
     code="ROB093",
     name="unsuited-hardware",
     severity=Severity.ERROR,
-    severity_varies="a warning of mock hardware",
-    summary="The hardware of `<ros2_control>` is not that of the Gazebo that simulates the robot.",
+    severity_varies="a warning about mock hardware",
+    summary="The hardware of `<ros2_control>` does not belong to the simulator of the robot.",
     what="Compares the class in `<hardware>` with the `<gazebo>` plugin for ros2_control, with the "
     "simulator that the launch file starts, and with the ROS 2 distribution.",
-    why="Gazebo's plugin loads hardware of its own kind only: it logs an error, and no controller "
-    "finds an interface.",
+    why="Gazebo's plugin loads only hardware for the same simulator: it logs an error, and "
+    "controllers find no interfaces.",
     example="""
 <ros2_control name="arm" type="system">
   <hardware><plugin>gazebo_ros2_control/GazeboSystem</plugin></hardware>
@@ -462,8 +464,8 @@ def unsuited_hardware(
                 file,
                 system.hardware_line or system.line,
                 place,
-                message=f"<ros2_control> `{system.name}` has mock hardware, and Gazebo's plugin "
-                "cannot load it: the robot does not move in Gazebo.",
+                message=f"<ros2_control> `{system.name}` has mock hardware, which Gazebo's plugin "
+                "cannot load: the robot does not move in Gazebo.",
                 hint=f"Write <plugin>{USUAL[wanted or SIM]}</plugin> for the simulation.",
                 severity=Severity.WARNING,
             )
@@ -472,11 +474,11 @@ def unsuited_hardware(
             file,
             system.hardware_line or system.line,
             place,
-            message=f"The hardware `{system.hardware}` is that of {NAMES[meant]}, but "
+            message=f"The hardware `{system.hardware}` is for {NAMES[meant]}, but "
             + (
                 f"{NAMES[wanted]} simulates the robot."
                 if facts.simulator
-                else f"the robot has {NAMES[wanted]}'s plugin for ros2_control."
+                else f"the robot loads the ros2_control plugin of {NAMES[wanted]}."
             ),
             hint=f"Write <plugin>{USUAL[wanted]}</plugin>.",
         )
@@ -495,10 +497,10 @@ CONTROL_WITHOUT_PLUGIN = Rule(
     code="ROB094",
     name="control-without-plugin",
     severity=Severity.WARNING,
-    summary="A robot has hardware of Gazebo but no plugin for it, or the plugin but no hardware.",
+    summary="A robot has Gazebo hardware without its plugin, or the plugin without hardware.",
     why="Gazebo's plugin for ros2_control starts the controller manager and loads the hardware of "
-    "`<ros2_control>`. One without the other does nothing: spawners of controllers wait for a "
-    "controller manager that never comes.",
+    "`<ros2_control>`. One without the other does nothing: spawners wait forever for a controller "
+    "manager.",
     example="""
 <ros2_control name="arm" type="system">
   <hardware><plugin>gz_ros2_control/GazeboSimSystem</plugin></hardware>
@@ -527,8 +529,8 @@ def control_without_plugin(facts: ControlFacts, file: Path | None) -> Iterator[D
             file,
             system.line,
             f"ros2_control[@name='{system.name}']",
-            message=f"<ros2_control> `{system.name}` has hardware of {NAMES[simulator]}, but no "
-            "<gazebo> element loads the plugin for it: no controller manager starts.",
+            message=f"<ros2_control> `{system.name}` has hardware for {NAMES[simulator]}, but no "
+            "<gazebo> element loads its plugin: no controller manager starts.",
             hint=f"Add <gazebo>{PLUGINS[simulator]}…</plugin></gazebo>.",
         )
     elif facts.plugins and not facts.controls:
@@ -538,7 +540,7 @@ def control_without_plugin(facts: ControlFacts, file: Path | None) -> Iterator[D
             plugin.line,
             f"gazebo/plugin[@filename='{plugin.filename}']",
             message=f"The robot has the plugin `{plugin.filename}`, but no <ros2_control>: the "
-            "plugin finds nothing to control.",
+            "plugin has no joints to control.",
             hint='Add <ros2_control name="NAME" type="system"> with '
             f"<hardware><plugin>{USUAL[_simulator_of(plugin)]}</plugin></hardware> and the joints.",
         )
@@ -549,7 +551,7 @@ UNKNOWN_TRANSMISSION_JOINT = Rule(
     name="unknown-transmission-joint",
     severity=Severity.WARNING,
     summary="A `<transmission>` names a joint that the robot does not have.",
-    why="The transmission moves nothing. The name is usually misspelled, or lacks a prefix.",
+    why="The transmission has no effect. Usually the name is misspelled or lacks a prefix.",
     example='<transmission name="t"><joint name="arm_jiont"/></transmission>',
     instead='<transmission name="t"><joint name="arm_joint"/></transmission>',
 )
@@ -559,9 +561,9 @@ ROS_1_TRANSMISSION = Rule(
     name="ros-1-transmission",
     severity=Severity.INFO,
     summary="A robot has `<transmission>` elements, which ROS 2 does not read.",
-    what="Looks for `<transmission>` beside the links of a robot without `<ros2_control>`.",
-    why="In ROS 1 `<transmission>` said which joints are controlled. In ROS 2 `<ros2_control>` "
-    "does: the robot has no controlled joint.",
+    what="Looks for `<transmission>` in robots without `<ros2_control>`.",
+    why="In ROS 1 `<transmission>` declares the controlled joints, in ROS 2 `<ros2_control>` does: "
+    "the robot has no controlled joint.",
     example="""
 <transmission name="arm_transmission">
   <type>transmission_interface/SimpleTransmission</type>

@@ -50,10 +50,10 @@ MASS_DIFFERS = Rule(
     name="mass-differs",
     severity=Severity.ERROR,
     summary="The engine simulates a different mass than the description gives.",
-    what="Compares the total mass in the engine with that of the robot Gazebo would build.",
-    why="Every force, speed and contact of the simulation would be that of another robot.",
-    example="No description is known that causes this.",
-    instead="Report it together with the description of the robot.",
+    what="Compares the total mass in the engine with that of the model that Gazebo builds.",
+    why="All forces, speeds and contacts of the simulation are wrong.",
+    example="# no description is known to cause this",
+    instead="# report it with the description of the robot",
 )
 
 
@@ -63,9 +63,9 @@ def mass_differs(entity: str, described_mass: float, simulated_mass: float) -> I
         yield MASS_DIFFERS.at(
             None,
             element=entity,
-            message=f"The engine simulates {simulated_mass:g} kg, the description gives "
-            f"{described_mass:g} kg.",
-            hint="Report this with the description of the robot; do not rely on the simulation.",
+            message=f"The engine simulates {simulated_mass:g} kg, but the mass in the description "
+            f"is {described_mass:g} kg.",
+            hint="Report this error of wsgen, with the description; do not rely on the simulation.",
         )
 
 
@@ -74,10 +74,10 @@ JOINTS_DIFFER = Rule(
     name="joints-differ",
     severity=Severity.ERROR,
     summary="The engine moves a different number of joints than the description has.",
-    what="Compares the movable joints in the engine with those of the robot Gazebo would build.",
-    why="If a joint is missing, a part of the robot cannot move or has fallen off.",
-    example="No description is known that causes this.",
-    instead="Report it together with the description of the robot.",
+    what="Compares the movable joints in the engine with those of the model that Gazebo builds.",
+    why="If a joint is missing, a part of the robot cannot move or falls off.",
+    example="# no description is known to cause this",
+    instead="# report it with the description of the robot",
 )
 
 
@@ -89,9 +89,9 @@ def joints_differ(
         yield JOINTS_DIFFER.at(
             None,
             element=entity,
-            message=f"The engine moves {simulated_joints} joints, the description has "
+            message=f"The engine moves {simulated_joints} joints, but the description has "
             f"{described_joints}.",
-            hint="Report this with the description of the robot; do not rely on the simulation.",
+            hint="Report this error of wsgen, with the description; do not rely on the simulation.",
         )
 
 
@@ -100,10 +100,10 @@ STATE_NOT_FINITE = Rule(
     name="state-not-finite",
     severity=Severity.ERROR,
     summary="A position of the robot became infinite or not-a-number.",
-    what="Looks at every pose and speed of the simulation.",
+    what="Checks every pose and speed of the simulation.",
     why="The simulation exploded. Gazebo stops with an assertion or shows nothing.",
     example='<inertia ixx="1e-12" iyy="1e-12" izz="1e-12" ixy="0" ixz="0" iyz="0"/>',
-    instead="Use SI units for masses, inertias and sizes, none of them zero or huge.",
+    instead="Use SI units for masses, inertias and sizes, and no zero or huge values.",
 )
 
 
@@ -113,8 +113,10 @@ def state_not_finite(entity: str, *, is_finite: bool) -> Iterator[Diagnostic]:
         yield STATE_NOT_FINITE.at(
             None,
             element=entity,
-            message="The robot's pose became infinite or not-a-number: the simulation exploded.",
-            hint="Check masses, inertias, axes and sizes: SI units, none zero, none huge.",
+            message="The pose of the robot became infinite or not-a-number: the simulation "
+            "exploded.",
+            hint="Check masses, inertias, axes and sizes: use SI units, and no zero or huge "
+            "values.",
         )
 
 
@@ -122,10 +124,10 @@ CUT_SHORT = Rule(
     code="SPN090",
     name="cut-short",
     severity=Severity.ERROR,
-    summary="The simulation ended early, because another robot's state was not finite.",
-    why="The robot was not simulated to the end, so nothing can be said about it.",
+    summary="The simulation ended early because the state of another robot was not finite.",
+    why="The robot was not simulated to the end: it has no result.",
     example="Two robots are spawned, and the simulation of one explodes.",
-    instead="Fix what is reported about the other robot.",
+    instead="Fix the errors of the other robot.",
 )
 
 
@@ -137,7 +139,7 @@ def cut_short(entity: str, *, is_cut_short: bool) -> Iterator[Diagnostic]:
             element=entity,
             message="The robot was not simulated to the end: the pose of another robot became "
             "infinite or not-a-number.",
-            hint="Fix the other robot first.",
+            hint="Fix the errors of the other robot first.",
         )
 
 
@@ -178,7 +180,7 @@ SPAWNED_HIGH = Rule(
     severity=Severity.WARNING,
     summary="The robot is spawned more than 1 m above the ground.",
     what="Measures the lowest point of the robot's collision shapes when it is spawned.",
-    why="The impact moves joints and changes where the robot ends up. A real robot would break.",
+    why="The impact moves joints and changes the final pose. A real robot would break.",
     example='arguments=["-entity", "my_robot", "-topic", "robot_description", "-z", "5.0"]',
     instead='arguments=["-entity", "my_robot", "-topic", "robot_description", "-z", "0.1"]',
 )
@@ -195,7 +197,7 @@ def spawned_high(
             entity,
             message=f"The robot is spawned {clearance:.2f} m above the ground and falls "
             f"(spawn height z = {spawn_z:g} m).",
-            hint=_spawn_at(spawn_z, CONTACT_SLACK - clearance, "to let it stand at once", height),
+            hint=_spawn_at(spawn_z, CONTACT_SLACK - clearance, "to place it on the ground", height),
         )
 
 
@@ -211,7 +213,8 @@ STUCK_IN_GROUND = Rule(
     summary="The robot is in the ground at the end of the simulation.",
     what="Measures the lowest point of the robot's collision shapes at the end. A robot that is "
     "rising and would be out of the ground within 3 s is not reported.",
-    why="The robot sinks in or cannot get out: contacts are too soft, or shapes lock each other.",
+    why="The robot sinks in or cannot leave the ground: contacts are too soft, or shapes block "
+    "each other.",
     example='arguments=["-entity", "my_robot", "-topic", "robot_description", "-z", "-1.0"]',
     instead='arguments=["-entity", "my_robot", "-topic", "robot_description", "-z", "0.1"]',
 )
@@ -249,9 +252,9 @@ FALLS_WITHOUT_END = Rule(
     code="SPN056",
     name="falls-without-end",
     severity=Severity.ERROR,
-    summary="The robot falls through the ground, or the world has no ground.",
-    what="Looks whether the robot ends up below the ground and below where it was spawned. In a "
-    "world without ground plane, looks whether it is lower and accelerates with gravity.",
+    summary="The robot falls through the ground, or the world does not have a ground.",
+    what="Reports a robot whose final position is below the ground and below its spawn pose. In a "
+    "world without a ground plane, reports one that is lower and accelerates with gravity.",
     why="No part of the robot touches the ground.",
     example="""
 <link name="base_link">
@@ -283,10 +286,12 @@ def falls_without_end(
             element=entity,
             message=f"The robot falls: at the end it is {-lowest_at_end:.1f} m below z = 0."
             if has_ground
-            else f"The robot falls, by {lowest_at_start - lowest_at_end:.1f} m so far.",
-            hint="Give the links that stand on the ground a <collision>."
+            else f"The robot falls: it is {lowest_at_start - lowest_at_end:.1f} m lower at the "
+            "end, in a world without a ground plane.",
+            hint="Add a <collision> to the links that stand on the ground."
             if has_ground
-            else "Spawn it above a model that carries it (x, y, z), or include model://ground_plane.",
+            else "Add a static model with a <plane> to the world, or set x, y and z of the spawn "
+            "pose above a static model.",
         )
 
 
@@ -294,10 +299,10 @@ NO_BUOYANCY = Rule(
     code="SPN109",
     name="no-buoyancy",
     severity=Severity.INFO,
-    summary="A plugin carries the robot in water or air, which no engine of wsgen simulates.",
-    what="Where a plugin of the robot, or Gazebo Sim's system for buoyancy in the world, carries "
-    "the robot, does not report that it falls, sinks, tips over or moves.",
-    why="In the simulation the robot falls like a stone; in Gazebo it floats, or holds its depth.",
+    summary="Buoyancy or lift from a plugin is not simulated.",
+    what="Looks for plugins of the robot and systems of the world that simulate buoyancy or lift. "
+    "For such robots, falling, sinking, tipping over and moving are not reported.",
+    why="In wsgen's simulation the robot falls; in Gazebo it floats or keeps its depth.",
     example='<plugin filename="gz-sim-buoyancy-system" name="gz::sim::systems::Buoyancy"/>',
     instead="Start it in Gazebo to see how it floats.",
 )
@@ -308,8 +313,8 @@ def no_buoyancy(entity: str, plugin: str) -> Diagnostic:
     return NO_BUOYANCY.at(
         None,
         element=entity,
-        message=f"In Gazebo, the plugin `{plugin}` carries the robot; no engine of wsgen simulates "
-        "buoyancy, and the robot falls: where it comes to rest is not checked.",
+        message=f"wsgen does not simulate the plugin `{plugin}`, which holds the robot up in "
+        "Gazebo: the robot falls here, and its motion is not checked.",
         hint="Start it in Gazebo to see how it floats.",
     )
 
@@ -318,10 +323,10 @@ THROWN_INTO_THE_AIR = Rule(
     code="SPN057",
     name="thrown-into-the-air",
     severity=Severity.ERROR,
-    summary="Contact forces throw the robot upward.",
-    what="Compares the highest position of the root link with where it was spawned, less the depth "
-    "in the ground that it had to rise from.",
-    why="Overlapping shapes push each other apart with forces that no real contact has.",
+    summary="Contact forces throw the robot into the air.",
+    what="Compares the highest position of the root link with its spawn height, minus the initial "
+    "depth in the ground.",
+    why="Overlapping shapes push each other apart with unrealistic forces.",
     example='arguments=["-entity", "my_robot", "-topic", "robot_description", "-z", "-0.5"]',
     instead='arguments=["-entity", "my_robot", "-topic", "robot_description", "-z", "0.1"]',
 )
@@ -343,9 +348,9 @@ UNACTUATED_JOINTS_MOVE = Rule(
     name="unactuated-joints-move",
     severity=Severity.INFO,
     summary="Joints that are not actuated move under gravity.",
-    what="Measures how far each joint, except axles of wheels, moved from where it started.",
-    why="This is no mistake: an arm without controllers falls, in Gazebo as on the bench. It shows "
-    "what the robot does until its controllers are started.",
+    what="Measures how far each joint, except those of wheels, moves from its start position.",
+    why="This is not an error: an arm without controllers falls, in Gazebo and in reality. It "
+    "shows what the robot does until its controllers start.",
     example='<joint name="shoulder" type="revolute"> ... </joint>',
     instead="""
 <ros2_control name="arm" type="system">
@@ -370,7 +375,7 @@ def unactuated_joints_move(
         element=entity,
         message=f"Gravity moves joints that are not actuated: {names}"
         + (" (still moving at the end)." if is_moving else "."),
-        hint="Start controllers that hold them; without controllers the same happens in Gazebo.",
+        hint="Start controllers that hold these joints; without them the same happens in Gazebo.",
     )
 
 
@@ -378,11 +383,11 @@ GAINS_ENERGY = Rule(
     code="SPN061",
     name="gains-energy",
     severity=Severity.ERROR,
-    severity_varies="a warning where other robots can push it",
-    summary="The energy of the robot grows although nothing drives it.",
-    what="Compares kinetic and potential energy during the simulation with the energy when "
-    "spawned. What pushes the robot out of the ground is allowed for.",
-    why="The model is unstable: it shakes and then explodes.",
+    severity_varies="a warning where other robots may push it",
+    summary="The energy of the robot grows although it is not driven.",
+    what="Compares kinetic and potential energy during the simulation with the energy at the "
+    "spawn. The energy that lifts the robot out of the ground is subtracted.",
+    why="The model is numerically unstable: it shakes and then explodes.",
     example="""
 <inertial>
   <mass value="5"/>
@@ -409,9 +414,11 @@ def gains_energy(  # noqa: PLR0913  facts
         yield GAINS_ENERGY.at(
             None,
             element=entity,
-            message=f"The robot gains {gain:.3g} J though nothing drives it: the model is unstable."
+            message=f"The robot gains {gain:.3g} J although it is not driven: the model is "
+            "unstable."
             if is_alone
-            else f"The robot gains {gain:.3g} J: it is unstable, or another robot pushes it.",
+            else f"The robot gains {gain:.3g} J: the model is unstable, or another robot pushes "
+            "it.",
             hint="Look for links far lighter than their neighbors, inertias that are too small, "
             "and overlapping collision shapes; or shorten the world's max_step_size.",
             severity=Severity.ERROR if is_alone else Severity.WARNING,
@@ -422,12 +429,12 @@ ENGINE_UNSTABLE = Rule(
     code="SPN108",
     name="engine-unstable",
     severity=Severity.INFO,
-    summary="A physics engine is unstable with the robot; another one is tried.",
-    what="Where the pose of a robot becomes infinite, or its energy grows though nothing drives "
-    "it, simulates it in DART, the engine of Gazebo Sim, too, or in MuJoCo where DART is not "
-    "installed. If the robot is stable there, that is the result.",
-    why="Engines differ in what they simulate stably: links with tiny inertias and fast joints "
-    "explode in one and fall in another. What one engine cannot do is no mistake in the robot.",
+    summary="The simulation of the robot is unstable in an engine, and is repeated in another one.",
+    what="Where the pose of a robot becomes infinite, or its energy grows although it is not "
+    "driven, repeats the simulation in DART, the engine of Gazebo Sim, or in MuJoCo if DART is not "
+    "installed. If the robot is stable there, that result counts.",
+    why="Links with tiny inertias and fast joints explode in one engine and are stable in another. "
+    "A limitation of one engine is not an error of the robot.",
     example="wsgen validate robot.urdf",
     instead="pip install 'wsgen[dart]'\nwsgen validate robot.urdf --engine dart",
 )
@@ -437,10 +444,10 @@ JOINT_BEYOND_LIMIT = Rule(
     code="SPN062",
     name="joint-beyond-limit",
     severity=Severity.WARNING,
-    summary="A joint is beyond its limits at the end of the simulation.",
+    summary="A joint is outside its limits at the end of the simulation.",
     what="Compares the positions of the joints at the end with the limits of the description.",
-    why="The limit does not hold what is attached to the joint, or other limits and contacts pull "
-    "against it.",
+    why="The limit does not hold the load of the joint, or other limits and contacts act against "
+    "it.",
     example='<limit lower="0.5" upper="1.5" effort="10" velocity="1"/>',
     instead='<limit lower="-1.5" upper="1.5" effort="10" velocity="1"/>',
 )
@@ -459,9 +466,9 @@ def joint_beyond_limit(
             yield JOINT_BEYOND_LIMIT.at(
                 None,
                 element=entity,
-                message=f"At the end the joint `{joint.name}` is at {position:.3f}, beyond its "
+                message=f"At the end the joint `{joint.name}` is at {position:.3f}, outside its "
                 f"limits {limit.lower:g} to {limit.upper:g} (rad or m).",
-                hint="Check the limits, and masses and inertias of what is attached to the joint.",
+                hint="Check the limits, and the masses and inertias of the links behind the joint.",
             )
 
 
@@ -469,13 +476,13 @@ KEEPS_MOVING = Rule(
     code="SPN058",
     name="keeps-moving",
     severity=Severity.ERROR,
-    severity_varies="a warning where joints that are not actuated move, a note where it "
-    "moves slowly",
+    severity_varies="a warning where joints that are not actuated move, information where the "
+    "robot moves slowly",
     summary="The robot does not come to rest within the simulation.",
-    what="Looks whether the speed of the robot stays low from some moment on. A robot that stands "
-    "while its wheels turn is not reported, one whose unactuated joints swing by "
-    "`unactuated-joints-move` alone.",
-    why="A robot that nothing drives should stand still: this one slides, rolls away, shakes or "
+    what="Checks that the speed of the robot becomes low and stays low. A robot that stands while "
+    "its wheels turn is not reported; one whose unactuated joints swing is reported only as "
+    "`unactuated-joints-move`.",
+    why="A robot that is not driven should stand still: this one slides, rolls away, shakes or "
     "falls.",
     example="""
 <gazebo reference="wheel">
@@ -507,11 +514,11 @@ def keeps_moving(  # noqa: PLR0913  facts
         yield KEEPS_MOVING.at(
             None,
             element=entity,
-            message="The robot does not come to rest: at the end it moves at "
-            f"{speed:.3f} m/s{_and_turns(turning, joint_speed)}.",
-            hint="Its unactuated joints move it; controllers would hold them. Or try --seconds 10."
+            message=f"The robot does not come to rest: at the end it moves at {speed:.3f} "
+            f"m/s{_and_turns(turning, joint_speed)}.",
+            hint="Start controllers that hold its unactuated joints, or use --seconds 10."
             if has_passive_joints
-            else "Check friction (mu1, mu2), inertias and joint damping, or try --seconds 10.",
+            else "Check friction (<mu1>, <mu2>), inertias and joint damping, or use --seconds 10.",
             severity=Severity.INFO
             if is_slow
             else Severity.WARNING
@@ -529,12 +536,12 @@ TIPS_OVER = Rule(
     code="SPN059",
     name="tips-over",
     severity=Severity.ERROR,
-    severity_varies="a warning where joints that are not actuated move, and on models of the world "
-    "that may be slopes",
+    severity_varies="a warning where joints that are not actuated move, and on models of the "
+    "world, which may be slopes",
     summary="The robot leans or lies on its side at the end of the simulation.",
-    what="Measures the angle between the robot's up axis at the end and when it was spawned.",
-    why="The center of mass is not above what the robot stands on, or something pushes it over. "
-    "Controllers that hold its joints may keep it upright.",
+    what="Measures the angle between the up axis of the robot at the end and at its spawn.",
+    why="The center of mass is not above the contacts with the ground, or something pushes the "
+    "robot over. Controllers that hold its joints may keep it upright.",
     example='<inertial><origin xyz="0.5 0 1.2"/><mass value="20"/></inertial>',
     instead='<inertial><origin xyz="0 0 0.1"/><mass value="20"/></inertial>',
 )
@@ -550,10 +557,11 @@ def tips_over(
             element=entity,
             message=f"The robot tips over by {math.degrees(tilt):.0f} degrees"
             + (" while its unactuated joints move." if has_passive_joints else "."),
-            hint="If it is bolted to the floor: add a root link `world` and a fixed joint to it. "
-            "If it walks: its controllers must hold it."
+            hint="If the robot is bolted to the floor, add a root link `world` with a fixed joint "
+            "to the base. If it walks or balances, start its controllers."
             if has_passive_joints or is_held
-            else "Check masses, inertial origins and that all wheels reach the ground.",
+            else "Check the masses and the <origin> of each <inertial>, and that all wheels reach "
+            "the ground.",
             severity=Severity.WARNING if has_passive_joints else Severity.ERROR,
         )
 
@@ -562,13 +570,12 @@ LEANS = Rule(
     code="SPN067",
     name="leans",
     severity=Severity.WARNING,
-    summary="The robot stands, but leans by some degrees where it was spawned upright.",
-    what="Measures, of a robot that is at rest on level ground and whose joints are where they "
-    "were, the angle between its up axis at the end and when it was spawned; reports 3 to 15 "
-    "degrees.",
-    why="The parts that it stands on do not end at one height: a caster hangs too high or too low, "
-    "or wheels on one side have another radius. Sensors look into the ground or into the air, and "
-    "wheels press with other forces than was meant.",
+    summary="The robot comes to rest, but leans by some degrees.",
+    what="For a robot that is at rest on level ground with unchanged joint positions, measures the "
+    "angle between its up axis at the end and at its spawn; reports 3 to 15 degrees.",
+    why="The lowest points of wheels and casters are not at the same height: a caster is too high "
+    "or too low, or the wheels differ in radius. Sensors point into the ground or into the air, "
+    "and the load of the wheels is wrong.",
     example='<joint name="caster_joint" type="fixed"><origin xyz="-0.2 0 -0.02"/>…</joint>',
     instead='<joint name="caster_joint" type="fixed"><origin xyz="-0.2 0 -0.05"/>…</joint>',
 )
@@ -592,11 +599,12 @@ def leans(
     more = f" and {len(touching) - MOST_NAMED} more" if len(touching) > MOST_NAMED else ""
     stands = f" It rests on {named}{more}." if touching else ""
     high = max(touching, key=lambda name: heights.get(name, 0.0), default=None)
-    hint = "Check that all that it stands on ends at one height."
+    hint = "Check that the lowest points of all wheels and casters are at the same height."
     if high is not None and heights.get(high, 0.0) > UNEVEN:
         hint = (
-            f"Upright, `{high}` ends {1000 * heights[high]:.0f} mm above the lowest part of the "
-            "robot: move it down by that, or the others up, or make it larger."
+            f"If the robot is upright, `{high}` is {1000 * heights[high]:.0f} mm above the lowest "
+            "part of the robot: move it down by that distance, move the others up, or make it "
+            "larger."
         )
     yield LEANS.at(
         None,
@@ -621,9 +629,9 @@ OVERLAPPING_ROBOTS = Rule(
     code="SPN063",
     name="overlapping-robots",
     severity=Severity.ERROR,
-    severity_varies="a warning up to a depth of 2 cm, out of which engines push without a jump; of "
-    "a robot in a model of the world up to 10 cm, if it stands all the same",
-    summary="Two robots, or a robot and a model of the world, overlap when spawned.",
+    severity_varies="a warning up to a depth of 2 cm, which engines correct without a jump; for a "
+    "robot in a model of the world up to 10 cm, if it comes to rest",
+    summary="Two robots, or a robot and a model of the world, overlap at the spawn.",
     why="The simulator pushes them apart with a large force.",
     example="""
 Node(package="gazebo_ros", executable="spawn_entity.py", arguments=["-entity", "a", "-x", "0.0"]),
@@ -660,13 +668,13 @@ def overlapping_robots(
                 None,
                 element=entity,
                 message=(
-                    f"`{entity}` is spawned inside the model `{other}`: "
+                    f"`{entity}` overlaps the model `{other}` at its spawn: "
                     if other in static_models
-                    else f"`{entity}` and `{other}` are spawned inside each other: "
+                    else f"`{entity}` and `{other}` overlap at their spawn: "
                 )
                 + f"`{entity}/{deepest.link}` is {deepest.depth:.3f} m deep in "
                 f"`{other}/{deepest.other_link}`.",
-                hint="Spawn it higher (-z), or elsewhere (-x, -y)."
+                hint="Spawn it higher (-z), or at another place (-x, -y)."
                 if other in static_models
                 else "Spawn them farther apart (-x, -y), or higher (-z).",
                 severity=Severity.ERROR if deepest.depth > SHALLOW else Severity.WARNING,
@@ -677,9 +685,9 @@ OVERLAPPING_LINKS = Rule(
     code="SPN064",
     name="overlapping-links",
     severity=Severity.WARNING,
-    summary="Links of a robot that can collide with each other overlap when spawned.",
-    what="Looks for overlapping links with `<selfCollide>` that no joint connects.",
-    why="The simulator pushes them apart from the first step on: the robot shakes or jumps.",
+    summary="Links of a robot with self-collision overlap at the spawn.",
+    what="Looks for overlapping links with `<selfCollide>` that are not connected by a joint.",
+    why="The simulator pushes them apart from the first step: the robot shakes or jumps.",
     example='<gazebo reference="upper_arm"><selfCollide>true</selfCollide></gazebo>',
     instead="Use smaller collision shapes, or remove <selfCollide> from these links.",
 )
@@ -703,7 +711,7 @@ def overlapping_links(
         yield OVERLAPPING_LINKS.at(
             None,
             element=entity,
-            message=f"Links that collide with each other start inside each other: {pairs}.",
+            message=f"Links with <selfCollide> overlap at the spawn: {pairs}.",
             hint="Make their collision shapes smaller, or remove <selfCollide>.",
         )
 
@@ -712,11 +720,12 @@ RESTS_ON_HULL = Rule(
     code="SPN066",
     name="rests-on-hull",
     severity=Severity.WARNING,
-    summary="A mesh rests on its convex hull, where Gazebo would let it sink in.",
-    what="At the end of the simulation, measures how far the contacts of a mesh with anything but "
-    "level ground are from its nearest triangle. Up to 5 mm are not reported.",
-    why="PyBullet and MuJoCo collide the convex hull of a mesh that can move, DART and Gazebo its "
-    "triangles: a fork above a post rests on the post in the two, and lower in Gazebo.",
+    summary="A contact is on the convex hull of a mesh; in Gazebo the mesh sinks deeper.",
+    what="At the end of the simulation, measures the distance from the contacts of a mesh to its "
+    "nearest triangle, except on level ground. Up to 5 mm are not reported.",
+    why="For movable meshes PyBullet and MuJoCo use the convex hull, DART and Gazebo the "
+    "triangles: a fork rests on a post between its tines in the first two, but on the floor in "
+    "Gazebo.",
     example='<collision><geometry><mesh filename="package://robot/fork.stl"/></geometry></collision>',
     instead="""
 <collision><geometry><box size="1.0 0.1 0.05"/></geometry><origin xyz="0 0.3 0"/></collision>
@@ -733,7 +742,7 @@ def rests_on_hull(entity: str, gaps: Sequence[HullGap]) -> Iterator[Diagnostic]:
             element=entity,
             message=f"The mesh of `{found.link}` touches `{found.other_entity}` "
             f"{found.gap * 1000:.0f} mm from its triangles: the engine uses its convex hull, "
-            "Gazebo would let it sink in.",
+            "Gazebo uses the triangles.",
             hint="Use --engine dart, or replace the mesh by several convex <collision> shapes.",
         )
 
@@ -742,13 +751,13 @@ ENGINES_DISAGREE = Rule(
     code="SPN065",
     name="engines-disagree",
     severity=Severity.WARNING,
-    summary="The robot ends up differently in different physics engines.",
-    what="Compares, for each two engines, mass and joints, whether the robot comes to rest and, if "
-    "it does in both, its pose and joint positions. Of three engines, the message names the one "
-    "that differs from the other two, or by far the most. A run that explodes is not compared.",
-    why="The result depends on details that no description fixes: a balance, a fall, or a mesh "
-    "that one engine treats as its convex hull and the other as triangles. Gazebo Sim uses DART by "
-    "default.",
+    summary="The final state of the robot differs between physics engines.",
+    what="Compares mass, joints and whether the robot comes to rest for each pair of engines and, "
+    "if it rests in both, its pose and joint positions. With three engines, the message names the "
+    "one that differs from the other two. Simulations that explode are not compared.",
+    why="The result depends on details that the description does not determine: a balance, a fall, "
+    "or a mesh that is a convex hull in one engine and triangles in the other. Gazebo Sim uses "
+    "DART by default.",
     example="A robot is spawned balancing on one wheel.",
     instead="Spawn the robot in a pose in which it stands by itself.",
 )
@@ -786,7 +795,10 @@ def engines_disagree(
     )
     why = _why_engines_disagree(list(runs.values()), has_passive_joints=has_passive_joints)
     if is_on_hull:
-        why = "It rests on the convex hull of a mesh (rests-on-hull), which only DART does not use."
+        why = (
+            "The robot rests on the convex hull of a mesh (see rests-on-hull), which DART does "
+            "not use."
+        )
     yield ENGINES_DISAGREE.at(
         None,
         element=runs[reference].entity,
@@ -804,13 +816,13 @@ def _agreement(
     if rest and len(apart) > 1 and gaps[near] < min(NEAR, gaps[rest[0]] / CLEARLY):
         nearly = "nearly " if gaps[near] else ""
         (odd,) = set(engines) - set(near)
-        agreement = f"{name_engines(near)} {nearly}agree, {ENGINE_NAMES[odd]} does not: "
+        agreement = f"{name_engines(near)} {nearly}agree, {ENGINE_NAMES[odd]} differs: "
         return agreement, near[0], [odd]
     different = [engine for engine in engines if any(engine in pair for pair in apart)]
     between = [engine for engine in engines if engine not in different]
     agreement = f"{name_engines(sorted(different, key=list(ENGINE_NAMES).index))} disagree"
     if between:
-        agreement += f", {name_engines(between)} is between them"
+        agreement += f"; {name_engines(between)} is between them"
     reference, *others = different
     compared = f"compared with {ENGINE_NAMES[reference]}, " if others[1:] else ""
     return f"{agreement}: {compared}", reference, others
@@ -818,12 +830,18 @@ def _agreement(
 
 def _why_engines_disagree(runs: Sequence[RobotRun], *, has_passive_joints: bool) -> str:
     if any(robot_run.penetration > CONTACT_SLACK for robot_run in runs):
-        return "Spawn it above the ground: each engine pushes it out in its own way."
+        return "Spawn it above the ground: engines push it out in different ways."
     if has_passive_joints:
-        return "Its unactuated joints let it fall, each time in another way; controllers hold them."
+        return (
+            "Start controllers that hold its unactuated joints, which move differently in each "
+            "engine."
+        )
     if len({robot_run.settled_after is None for robot_run in runs}) > 1:
-        return "Try --seconds 10: it may come to rest later in one engine than in another."
-    return "A robot that falls or balances ends up elsewhere each time; one that stands should not."
+        return "Use --seconds 10: it may come to rest later in one engine than in another."
+    return (
+        "If the robot falls or balances, differences are normal; if it should stand, check its "
+        "contacts with the ground."
+    )
 
 
 class _Difference(NamedTuple):

@@ -27,7 +27,7 @@ SPAWNER_OF_OTHER_SIMULATOR = Rule(
     code="LCH067",
     name="spawner-of-other-simulator",
     severity=Severity.ERROR,
-    summary="The spawner belongs to another simulator than the one that the launch file starts.",
+    summary="The spawner does not belong to the simulator that the launch file starts.",
     why="The spawner waits for a service that the simulator does not have, and the robot does not "
     "appear.",
     example="gz_sim.launch.py of ros_gz_sim, and\n"
@@ -39,11 +39,12 @@ NO_CLASSIC = Rule(
     code="SPN105",
     name="no-gazebo-classic",
     severity=Severity.ERROR,
-    summary="The launch file starts Gazebo Classic, which the ROS 2 distribution does not have.",
+    summary="The launch file starts Gazebo Classic, which is not available for the ROS 2 "
+    "distribution.",
     what="Looks for the launch files, the spawner and the programs of Gazebo Classic where the "
     "package is for Jazzy or later, and `gazebo_ros` is neither installed nor in the workspace.",
-    why="Gazebo Classic ended with Iron. `ros2 launch` stops: the package 'gazebo_ros' is not "
-    "found.",
+    why="Iron is the last distribution with Gazebo Classic. `ros2 launch` stops: the package "
+    "'gazebo_ros' is not found.",
     example="# for Jazzy\nsource = PythonLaunchDescriptionSource(os.path.join(\n"
     "    get_package_share_directory('gazebo_ros'), 'launch', 'gazebo.launch.py'))",
     instead="source = PythonLaunchDescriptionSource(os.path.join(\n"
@@ -56,8 +57,8 @@ NO_FACTORY = Rule(
     summary="Gazebo Classic is started without the plugin that spawns robots.",
     what="Looks for `libgazebo_ros_factory.so` in the command line of `gazebo` or `gzserver`, in "
     "its world, and in the arguments of `gzserver.launch.py`.",
-    why="Without the plugin Gazebo has no service `/spawn_entity`: the spawner says that it is "
-    "unavailable, and the robot does not appear.",
+    why="Without the plugin, Gazebo does not provide the service `/spawn_entity`: the spawner "
+    "reports that it is unavailable, and the robot does not appear.",
     example="ExecuteProcess(cmd=['gazebo', '--verbose', world])",
     instead="ExecuteProcess(cmd=['gazebo', '--verbose', world,\n"
     "                    '-s', 'libgazebo_ros_init.so', '-s', 'libgazebo_ros_factory.so'])",
@@ -68,11 +69,11 @@ WALL_CLOCK = Rule(
     severity=Severity.WARNING,
     severity_varies="information about `robot_state_publisher`, whose transforms have the time of "
     "the joint states",
-    summary="A node that works with time stamps does not use the time of the simulator.",
-    what="Looks, beside a simulator, for `use_sim_time` of `robot_state_publisher`, "
-    "`joint_state_publisher`, robot_localization, slam_toolbox and Nav2.",
-    why="Sensor data and joint states have the time of the simulation, and the node the time of "
-    "the computer: transforms are too old or too new, and messages are dropped.",
+    summary="A node that uses time stamps does not use the time of the simulator.",
+    what="Where a launch file starts a simulator, checks `use_sim_time` of "
+    "`robot_state_publisher`, `joint_state_publisher`, robot_localization, slam_toolbox and Nav2.",
+    why="Sensor data and joint states have simulation time, but the node uses the time of the "
+    "computer: transforms are too old or too new, and messages are dropped.",
     example="Node(package='robot_state_publisher', executable='robot_state_publisher',\n"
     "     parameters=[{'robot_description': description}])",
     instead="Node(package='robot_state_publisher', executable='robot_state_publisher',\n"
@@ -82,9 +83,9 @@ NO_CLOCK = Rule(
     code="LCH070",
     name="no-clock-bridge",
     severity=Severity.WARNING,
-    summary="Nodes use the time of Gazebo Sim, and nothing brings it to ROS.",
+    summary="Nodes use the time of Gazebo Sim, but no bridge publishes `/clock` in ROS.",
     what="Looks for a bridge of `/clock` where a launch file starts Gazebo Sim and a node with "
-    "`use_sim_time`. Nothing is reported where what is started may bring it that is not known.",
+    "`use_sim_time`. Not checked where the launch file starts unknown nodes, which may publish it.",
     why="Gazebo Sim does not publish `/clock` in ROS. The time of the nodes stays 0: they publish "
     "no transforms, and timers never fire.",
     example="Node(package='ros_gz_bridge', executable='parameter_bridge',\n"
@@ -97,11 +98,12 @@ OTHER_WORLD = Rule(
     code="LCH071",
     name="other-world-name",
     severity=Severity.ERROR,
-    summary="The spawner names another world than the one that Gazebo Sim loads.",
+    summary="The spawner names a different world than Gazebo Sim loads.",
     what="Compares `-world` of `create`, and the service of `gz service`, with the name in "
     "`<world name=...>` of the world file.",
-    why="Gazebo has the service `/world/NAME/create` of its own world alone: the request of the "
-    "spawner reaches nobody. The name is that in the file, and not that of the file.",
+    why="Gazebo provides the service `/world/NAME/create` only for the world that it loads: the "
+    "request of the spawner gets no answer. NAME is the name of the `<world>`, not that of the "
+    "file.",
     example='# office.sdf: <world name="default">\n'
     "arguments=['-world', 'office', '-topic', 'robot_description']",
     instead="arguments=['-world', 'default', '-topic', 'robot_description']",
@@ -111,8 +113,8 @@ PAUSED = Rule(
     name="starts-paused",
     severity=Severity.INFO,
     summary="Gazebo starts paused.",
-    what="Looks for `-r` in `gz_args`, unless the world or a `--gui-config` configures the window.",
-    why="Until somebody presses the button, time stands still: robots hang where they are spawned, "
+    what="Looks for `-r` in `gz_args`, unless the world or `--gui-config` configures the window.",
+    why="The simulation waits until the play button is pressed: robots stay at their spawn pose, "
     "and controllers do not start.",
     example="launch_arguments={'gz_args': 'empty.sdf'}.items()",
     instead="launch_arguments={'gz_args': '-r empty.sdf'}.items()",
@@ -121,9 +123,9 @@ GLUED_ARGUMENTS = Rule(
     code="LCH088",
     name="glued-arguments",
     severity=Severity.ERROR,
-    summary="An option of Gazebo Sim and the path of the world are one word.",
-    why="A list of `gz_args` is joined without blanks. Gazebo does not know the option that comes "
-    "of it, and stops.",
+    summary="A blank is missing between an option of Gazebo Sim and the path of the world.",
+    why="The items of a list in `gz_args` are joined without blanks. Gazebo does not know the "
+    "resulting option, and stops.",
     example="launch_arguments={'gz_args': ['-r', world]}.items()",
     instead="launch_arguments={'gz_args': ['-r ', world]}.items()",
 )
@@ -166,8 +168,8 @@ def spawners_of_other_simulator(plan: LaunchPlan, kinds: Collection[str]) -> Ite
             program.file,
             program.line,
             program.executable,
-            message=f"`{program.executable}` of {program.package} spawns into {_NAMES[kind]}, "
-            f"and the launch file starts {_NAMES[started]}.",
+            message=f"`{program.executable}` of {program.package} spawns into {_NAMES[kind]}, but "
+            f"the launch file starts {_NAMES[started]}.",
             hint=_SPAWNER_OF[started],
         )
 
@@ -208,7 +210,7 @@ def no_classic(
         line,
         name,
         message=f"ROS 2 {distro} has no Gazebo Classic: {some_of(names)} "
-        f"{'is' if len(names) == 1 else 'are'} not there, and the launch fails.",
+        f"{'is' if len(names) == 1 else 'are'} not available, and the launch fails.",
         hint="Include gz_sim.launch.py of ros_gz_sim, and spawn with `create` of ros_gz_sim.",
     )
 
@@ -240,7 +242,7 @@ def no_factory(
                 program.line,
                 program.executable,
                 message=f"`{program.executable}` is started without {FACTORY}, so that the service "
-                f"/spawn_entity of `{spawner.executable}` is unavailable.",
+                f"/spawn_entity for `{spawner.executable}` is unavailable.",
                 hint=f"Add '-s', 'libgazebo_ros_init.so', '-s', '{FACTORY}' to the command.",
             )
     for include in started_launch_files(plan):
@@ -252,8 +254,8 @@ def no_factory(
             yield NO_FACTORY.at(
                 *_where(plan, "factory"),
                 "factory",
-                message=f"{include.file.name} is given factory:=false, so that the service "
-                f"/spawn_entity of `{spawner.executable}` is unavailable.",
+                message=f"{include.file.name} gets factory:=false, so that the service "
+                f"/spawn_entity for `{spawner.executable}` is unavailable.",
                 hint="Remove the launch argument `factory`.",
             )
 
@@ -314,7 +316,7 @@ def no_clock(
                 program.line,
                 program.name or program.executable,
                 message=f"`{program.name or program.executable}` uses the time of the simulator, "
-                "and no bridge brings /clock of Gazebo to ROS.",
+                "but no bridge publishes /clock in ROS.",
                 hint="Add '/clock@rosgraph_msgs/msg/Clock[gz.msgs.Clock' to the arguments of "
                 "parameter_bridge of ros_gz_bridge.",
             )
@@ -350,8 +352,8 @@ def other_worlds(plan: LaunchPlan, world: str | None) -> Iterator[Diagnostic]:
                 program.file,
                 program.line,
                 name,
-                message=f"`{program.executable}` spawns into the world `{name}`, and the world "
-                f"that Gazebo loads is named `{world}`.",
+                message=f"`{program.executable}` spawns into the world `{name}`, but Gazebo loads "
+                f"the world `{world}`.",
                 hint=did_you_mean(world),
             )
 
@@ -381,7 +383,7 @@ def glued_arguments(plan: LaunchPlan) -> Iterator[Diagnostic]:
                     "gz_args",
                     message=f"The arguments of Gazebo have no blank between `{option}` and the "
                     "path of the world.",
-                    hint=f"Write '{option} ' with a blank at its end.",
+                    hint=f"Write '{option} ' with a blank at the end.",
                 )
 
 
@@ -404,7 +406,7 @@ def starts_paused(
             yield PAUSED.at(
                 *_where(plan, "gz_args"),
                 "gz_args",
-                message="Gazebo is started without -r: the simulation is paused at the start.",
+                message="Gazebo is started without `-r`: the simulation is paused at the start.",
                 hint="Add `-r ` to gz_args.",
             )
             return

@@ -23,9 +23,8 @@ ALLOWED_WITHOUT_REASON = Rule(
     severity=Severity.WARNING,
     summary="A rule is allowed without a reason.",
     what="Looks at `[check.allow]` of `wsgen.toml` and at comments `wsgen: allow RULE: REASON`. "
-    "What is allowed without a reason is reported all the same.",
-    why="The next person who reads the file cannot distinguish what is on purpose from what was "
-    "only silenced.",
+    "Without a reason the diagnostic is still reported.",
+    why="Readers of the file cannot tell intended exceptions from silenced errors.",
     example="<!-- wsgen: allow no-visual -->",
     instead="<!-- wsgen: allow no-visual: the gripper is drawn by its driver -->",
 )
@@ -33,11 +32,10 @@ UNUSED_ALLOWANCE = Rule(
     code="PKG101",
     name="unused-allowance",
     severity=Severity.WARNING,
-    summary="A rule is allowed where nothing breaks it.",
+    summary="A rule is allowed where it reports nothing.",
     what="Looks at `[check.allow]` of `wsgen.toml` and at comments `wsgen: allow RULE: REASON`. "
     "Rules about simulations and builds are left out: `wsgen check` does neither.",
-    why="It would hide the next mistake of this kind, and its reason describes a mistake that "
-    "the package does not have.",
+    why="It would hide the next error of this kind, and its reason is out of date.",
     example='[check.allow]\nno-visual = "the base is drawn by its driver"  # it has a <visual>',
     instead="[check.allow]",
 )
@@ -130,7 +128,7 @@ def _check(one: Allowance, *, is_used: bool) -> Iterator[Diagnostic]:
             one.file,
             one.line,
             None if one.lines else "check.allow",
-            message=f"`{one.rule}` is allowed without a reason, and reported.",
+            message=f"`{one.rule}` is allowed without a reason, and is still reported.",
             hint=f"Write why: `wsgen: allow {one.rule}: REASON`."
             if one.lines
             else f'Write why: {one.rule} = "REASON".',
@@ -140,6 +138,6 @@ def _check(one: Allowance, *, is_used: bool) -> Iterator[Diagnostic]:
             one.file,
             one.line,
             None if one.lines else "check.allow",
-            message=f"`{one.rule}` is allowed, but nothing here breaks this rule.",
+            message=f"`{one.rule}` is allowed, but the rule reports nothing here.",
             hint="Remove the comment." if one.lines else "Remove the line.",
         )

@@ -39,13 +39,13 @@ MISSING_SYSTEM = Rule(
     code="WLD063",
     name="missing-system-plugin",
     severity=Severity.ERROR,
-    severity_varies="a warning where `SceneBroadcaster` alone is missing, or the distribution is "
-    "not known; information where no launch file of the package spawns a robot into the world",
-    summary="A world loads some systems of Gazebo Sim and lacks one that every simulation needs.",
+    severity_varies="a warning where only `SceneBroadcaster` is missing or the distribution is not "
+    "known; information where no launch file of the package spawns a robot into the world",
+    summary="A world loads some systems of Gazebo Sim but lacks one that every simulation needs.",
     what="Looks for `Physics`, `UserCommands` and `SceneBroadcaster` in a world with a `<plugin>`. "
-    "Nothing is reported for distributions from Kilted on, whose Gazebo adds them, unless "
+    "Not checked from Kilted on, whose Gazebo adds them, unless "
     "`<include_server_config_plugins>` is false.",
-    why="Up to Gazebo Harmonic a world that loads any system loads no default ones. Without "
+    why="Up to Gazebo Harmonic, a world with any system does not load the default systems. Without "
     "`Physics` nothing moves, without `UserCommands` nothing can be spawned, and without "
     "`SceneBroadcaster` the window stays empty.",
     example='<world name="w">\n'
@@ -63,12 +63,12 @@ MISSING_SENSOR_SYSTEM = Rule(
     name="missing-sensor-system",
     severity=Severity.ERROR,
     severity_varies="a warning where no launch file of the package spawns a robot into the world",
-    summary="A sensor sends nothing: neither the world nor a robot loads the system for it.",
+    summary="A sensor publishes nothing: neither the world nor a robot loads its system.",
     what="Looks for the systems of the sensors of spawned robots and of the models of a world, and "
     "of some plugins, in the world that a launch file starts in Gazebo Sim, in its models, in the "
     "robots, and in the file of GZ_SIM_SERVER_CONFIG_PATH.",
-    why="In Gazebo Sim a sensor is only described by the robot: a system simulates it. Gazebo "
-    "loads none for sensors by default, prints nothing, and the topic stays empty.",
+    why="The robot only describes a sensor; a system of Gazebo Sim simulates it. Gazebo does not "
+    "load these systems by default and prints no error: the topic stays empty.",
     example='<!-- loaded with a robot that has <sensor name="lidar" type="gpu_lidar"> -->\n'
     '<world name="w">\n'
     '  <plugin filename="gz-sim-physics-system" name="gz::sim::systems::Physics"/>\n'
@@ -81,7 +81,7 @@ MISSING_SENSOR_SYSTEM = Rule(
 
 _WITHOUT = {
     "Physics": "nothing in it moves",
-    "UserCommands": "nothing can be spawned into it",
+    "UserCommands": "robots cannot be spawned into it",
     "SceneBroadcaster": "the window shows nothing",
 }
 
@@ -200,7 +200,7 @@ def missing_default_systems(
         file,
         line_of(next(children(world, "plugin"))),
         path_of(world),
-        message=f"The world loads systems of its own and not {names}{until}: {causes}.",
+        message=f"The world loads some systems but not {names}{until}: {causes}.",
         hint=f"Add {' '.join(map(plugin_of, lacking))}",
         severity=Severity.INFO
         if not is_spawned_into
@@ -256,7 +256,7 @@ def missing_sensor_systems(
             place.line,
             place.element,
             message=f"{place.subject} does not load the system {system}: {some_of(names)} "
-            f"{'sends' if len(names) == 1 else 'send'} nothing.",
+            f"{'publishes' if len(names) == 1 else 'publish'} nothing.",
             hint=f"Add {' '.join((*map(plugin_of, others), plugin))} to the <world>."
             if place.is_file
             else f"Add <gazebo>{plugin}</gazebo> to the robot, or start {SIMULATOR_NAMES['gz']} "

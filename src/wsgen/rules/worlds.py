@@ -37,10 +37,11 @@ PLUGIN_OF_OTHER_SIMULATOR = Rule(
     code="WLD064",
     name="plugin-of-other-simulator",
     severity=Severity.WARNING,
-    summary="A plugin of a world belongs to another simulator than the one that loads the world.",
+    summary="A plugin of a world does not belong to the simulator that loads the world.",
     what="Compares the plugins of a world with the simulator that a launch file starts with it, or "
     "that package.xml depends on.",
-    why="The simulator cannot load the library: it prints an error and goes on without the plugin.",
+    why="The simulator cannot load the library: it prints an error and continues without the "
+    "plugin.",
     example="<!-- loaded by Gazebo Sim -->\n"
     '<plugin name="gazebo_ros_state" filename="libgazebo_ros_state.so"/>',
     instead='<plugin filename="gz-sim-physics-system" name="gz::sim::systems::Physics"/>',
@@ -49,10 +50,10 @@ UNKNOWN_SYSTEM = Rule(
     code="WLD065",
     name="unknown-system",
     severity=Severity.WARNING,
-    summary="Gazebo Sim has no system with the library or the class that a `<plugin>` names.",
+    summary="A `<plugin>` names a library or class that Gazebo Sim does not have.",
     what="Compares the names with those of the systems of Gazebo from Fortress to Jetty. Libraries "
-    "whose names are not nearly one of these are assumed to be somebody's own.",
-    why="Gazebo prints that it failed to load the system, and goes on without it.",
+    "with very different names are assumed to be user-defined.",
+    why="Gazebo prints that it failed to load the system, and continues without it.",
     example='<plugin filename="gz-sim-imu-system" name="gz::sim::systems::IMU"/>',
     instead='<plugin filename="gz-sim-imu-system" name="gz::sim::systems::Imu"/>',
 )
@@ -61,9 +62,10 @@ MODEL_OF_CLASSIC = Rule(
     name="model-of-classic",
     severity=Severity.WARNING,
     summary="A world for Gazebo Sim includes the sun or the ground plane of Gazebo Classic.",
-    what="Looks for `model://sun` and `model://ground_plane` that no folder of the package has.",
-    why="Gazebo Sim ships neither of them: it prints that it cannot find the model, and up to "
-    "Gazebo Harmonic it does not load the world.",
+    what="Looks for `model://sun` and `model://ground_plane` that are not in a folder of the "
+    "package.",
+    why="Gazebo Sim does not install these models: it prints that it cannot find the model, and up "
+    "to Gazebo Harmonic it does not load the world.",
     example="<include>\n  <uri>model://ground_plane</uri>\n</include>",
     instead='<model name="ground_plane">\n'
     "  <static>true</static>\n"
@@ -81,9 +83,9 @@ NO_LIGHT = Rule(
     code="WLD068",
     name="no-light",
     severity=Severity.INFO,
-    summary="A world has no light.",
+    summary="A world does not have a light.",
     what="Looks for `<light>` and for included models, which may be lights.",
-    why="Robots and models are hardly visible in the window, and cameras see dark images.",
+    why="Robots and models are hardly visible in the window, and camera images are dark.",
     example='<world name="w">\n  <gravity>0 0 -9.8</gravity>\n</world>',
     instead='<world name="w">\n'
     '  <light name="sun" type="directional">\n'
@@ -96,9 +98,9 @@ MATERIAL_SCRIPT = Rule(
     code="WLD069",
     name="material-script",
     severity=Severity.INFO,
-    summary="A material of a world for Gazebo Sim is an Ogre script.",
+    summary="A world for Gazebo Sim uses an Ogre material script.",
     what="Looks for `<script>` in materials without a color or `<pbr>`. The names `Gazebo/NAME` "
-    "are reported for Humble and Iron alone: later releases know them as colors.",
+    "are reported only for Humble and Iron: later releases know them as colors.",
     why="Gazebo Sim does not read Ogre material scripts, and draws the visual in white or gray.",
     example="<material>\n  <script><name>Gazebo/Red</name></script>\n</material>",
     instead="<material>\n  <ambient>1 0 0 1</ambient>\n  <diffuse>1 0 0 1</diffuse>\n</material>",
@@ -110,8 +112,8 @@ UNUSUAL_RATE = Rule(
     summary="Gazebo Classic runs a world faster or slower than its real-time factor says.",
     what="Compares the product of `<max_step_size>` and `<real_time_update_rate>` with "
     "`<real_time_factor>`.",
-    why="Gazebo Classic ignores `<real_time_factor>`: it takes as many steps a second as the "
-    "update rate says, so that a shorter step alone slows the simulation down.",
+    why="Gazebo Classic ignores `<real_time_factor>`: it simulates as many steps per second as the "
+    "update rate says, so that a shorter step slows the simulation down.",
     example="<max_step_size>0.01</max_step_size>\n"
     "<real_time_update_rate>1000</real_time_update_rate>",
     instead="<max_step_size>0.001</max_step_size>\n"
@@ -121,9 +123,9 @@ NEWER_SDF = Rule(
     code="WLD071",
     name="newer-sdf",
     severity=Severity.WARNING,
-    summary="The SDF version of a world is newer than the target's Gazebo.",
+    summary="The SDF version of a world is newer than Gazebo of the target distribution supports.",
     why="Gazebo prints that it cannot convert the file, and reads it as the newest version that it "
-    "knows; what is new in the format is ignored.",
+    "knows; newer elements are ignored.",
     example='<!-- for Gazebo Fortress, which reads SDF up to 1.9 -->\n<sdf version="1.12">',
     instead='<sdf version="1.9">',
 )
@@ -215,7 +217,7 @@ def plugins_of_other_simulator(world: Element, file: Path, simulator: str) -> It
             file,
             line_of(others[0]),
             path_of(others[0]),
-            message=f"{some_of(names)} {are} of {other}, and {this} loads this world.",
+            message=f"{some_of(names)} {are} for {other}, but {this} loads this world.",
             hint=f"Remove {'it' if len(names) == 1 else 'them'}, or use plugins of {this}.",
         )
 
@@ -273,8 +275,9 @@ def models_of_classic(
                 file,
                 line_of(include),
                 path_of(include),
-                message=f"Gazebo Sim has no `{uri}`: only Gazebo Classic ships that {what}.",
-                hint=f"Write {inline} into the world instead of the include.",
+                message=f"Gazebo Sim does not have `{uri}`: only Gazebo Classic installs that "
+                f"{what}.",
+                hint=f"Replace the include by {inline}.",
             )
 
 
@@ -286,7 +289,7 @@ def no_light(world: Element, file: Path) -> Iterator[Diagnostic]:
             file,
             line_of(world),
             path_of(world),
-            message="The world has no light.",
+            message="The world does not have a light.",
             hint='Add <light name="sun" type="directional"><pose>0 0 10 0 0 0</pose>'
             "<direction>-0.5 0.1 -0.9</direction></light>",
         )
@@ -333,7 +336,7 @@ def not_in_real_time(world: Element, file: Path) -> Iterator[Diagnostic]:
                 file,
                 line_of(physics),
                 path_of(physics),
-                message=f"{rate:g} steps of {step:g} s a second are {speed:g} times real time, and "
+                message=f"{rate:g} steps of {step:g} s per second are {speed:g} times real time, "
                 f"not {factor:g} times.",
                 hint=f"Write <real_time_update_rate>{factor / step:g}</real_time_update_rate>.",
             )
@@ -348,7 +351,7 @@ def newer_sdf(root: Element, file: Path, target: Target) -> Iterator[Diagnostic]
             file,
             line_of(root),
             path_of(root),
-            message=f"{target.gazebo} reads SDF up to {target.sdf_version}, and this file is SDF "
+            message=f"{target.gazebo} reads SDF up to {target.sdf_version}, but this file is SDF "
             f"{root.get('version')}.",
             hint=f'Write <sdf version="{target.sdf_version}">.',
         )

@@ -35,8 +35,8 @@ CLOSED_CHAIN = Rule(
     code="WLD025",
     name="closed-chain",
     severity=Severity.WARNING,
-    summary="A joint closes a kinematic chain; the simulation leaves it out.",
-    why="The simulation, as Gazebo Sim, has only trees of links: the linkage is open. Gazebo "
+    summary="A joint that closes a kinematic chain is not simulated.",
+    why="Like Gazebo Sim, wsgen simulates only trees of links: the linkage stays open. Gazebo "
     "Classic closes it.",
     example="""<joint name="left" type="revolute">
   <parent>base_link</parent>
@@ -56,7 +56,7 @@ JOINT_LEFT_OUT = Rule(
     code="WLD024",
     name="joint-left-out",
     severity=Severity.WARNING,
-    summary="A joint is left out of the simulation because no engine of wsgen has its type.",
+    summary="A joint of an unsupported type is not simulated.",
     what="Looks for joints of the types screw and gearbox.",
     why="Gazebo has these joints, so the simulation differs from Gazebo: a link without another "
     "joint falls off.",
@@ -69,7 +69,7 @@ CIRCULAR_MIMIC = Rule(
     name="circular-mimic",
     severity=Severity.ERROR,
     summary="A joint of an SDF model mimics itself, directly or through other joints.",
-    why="No joint of the circle moves by itself, so nothing says where they are.",
+    why="The positions of these joints are not determined.",
     example="""<joint name="left" type="revolute">
   <axis><mimic joint="right">...</mimic></axis>
 </joint>
@@ -88,7 +88,7 @@ SHARED_PART_NAME = Rule(
     code="WLD044",
     name="shared-part-name",
     severity=Severity.INFO,
-    summary="Two parts of a link, of different kinds, have one name.",
+    summary="Two parts of a link, of different kinds, have the same name.",
     why="Gazebo loads the model, but its checker (`gz sdf --check`) reports an error.",
     example='<visual name="box">...</visual>\n<collision name="box">...</collision>',
     instead='<visual name="box_visual">...</visual>\n<collision name="box">...</collision>',
@@ -138,14 +138,15 @@ class Tree:
             other = self.edge_of.get(child)
             edge.node.source.report(
                 CLOSED_CHAIN,
-                f"The joint `{name}` is left out of the simulation: it closes a kinematic chain"
+                f"The joint `{name}` is not simulated: it closes a kinematic chain"
                 + (
                     f" (`{child}` is already the child of the joint `{other[0]}`)."
                     if other
                     else "."
                 ),
                 at=edge.node.element,
-                hint="Gazebo Sim leaves out such a joint as well; Gazebo Classic has it.",
+                hint="Remove the joint to get the same in all simulators: Gazebo Sim ignores it, "
+                "too; Gazebo Classic does not.",
             )
             return
         self.edge_of[child] = (name, edge)
@@ -156,11 +157,11 @@ class Tree:
         child = self.name_of[edge.child]
         edge.node.source.report(
             JOINT_LEFT_OUT,
-            f"The joint `{name}` is left out of the simulation: no engine of wsgen has "
+            f"The joint `{name}` is not simulated: the engines of wsgen do not support "
             f"{edge.node.element.get('type')} joints."
             + ("" if child in self.edge_of else f" The link `{child}` is loose without it."),
             at=edge.node.element,
-            hint="Gazebo has them; the simulation says nothing about this joint.",
+            hint="Check this joint in Gazebo, which supports it.",
         )
 
     def frame(self, link: str) -> Pose:
@@ -329,8 +330,8 @@ def report_shared_names(links: Mapping[str, Node]) -> None:
         SHARED_PART_NAME,
         f"Two parts of the link `{name}` have the name `{shared}`{more}.",
         at=node.element,
-        hint="Gazebo loads it; its checker (`gz sdf --check`) wants a different name for each "
-        "visual, collision, sensor and light of a link.",
+        hint="Give each visual, collision, sensor and light of a link a different name. Gazebo "
+        "loads the model, but `gz sdf --check` reports an error.",
     )
 
 
@@ -427,7 +428,7 @@ def _named(model: Scope, kind: str) -> dict[str, Node]:
                     DUPLICATE_SDF_NAME,
                     f"Two {kind}s have the name `{name}`.",
                     at=node.element,
-                    hint="Give each its own name, or include the model without merging it.",
+                    hint="Give each a different name, or include the model without merging it.",
                 )
             else:
                 named[name] = node
@@ -464,7 +465,7 @@ def _report_no_link(model: Scope) -> None:
     if not model.is_static:
         model.source.report(
             NO_LINK,
-            f"The model `{model.name}` has no link.",
+            f"The model `{model.name}` does not have a link.",
             at=model.element,
             hint='Add <link name="base_link">, or make the model static.',
         )

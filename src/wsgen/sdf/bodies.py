@@ -47,10 +47,10 @@ DEFAULT_INERTIA = Rule(
     code="WLD035",
     name="default-inertia",
     severity=Severity.WARNING,
-    severity_varies="a note in a model without joints",
+    severity_varies="information in a model without joints",
     summary="A link of a model that can move has no `<inertial>`.",
-    why="Gazebo gives the link 1 kg and 1 kg m², the inertia of a body of 2.4 m. A small link is "
-    "then far too heavy and turns far too slowly.",
+    why="Gazebo uses 1 kg and 1 kg m², which fits a body of about 2.4 m. A small link is then much "
+    "too heavy and turns much too slowly.",
     example='<link name="arm">\n  <collision name="collision">...</collision>\n</link>',
     instead="""<link name="arm">
   <inertial>
@@ -65,7 +65,7 @@ INERTIA_OF_MESH = Rule(
     code="WLD040",
     name="inertia-of-mesh",
     severity=Severity.WARNING,
-    summary="A link asks Gazebo to compute its inertia from a mesh, a polyline or a heightmap.",
+    summary="Gazebo computes the inertia of a link from a mesh, a polyline or a heightmap.",
     what='Looks at `<inertial auto="true">` since SDF 1.11, where Gazebo computes mass and '
     "inertia from the collisions.",
     why="The simulation ignores such shapes and computes the inertia from the other shapes of "
@@ -79,7 +79,8 @@ MASSLESS_MODEL_LINK = Rule(
     name="massless-model-link",
     severity=Severity.WARNING,
     summary="A link of a model that can move has mass 0.",
-    why="Physics engines hold such a link still or cannot move it, and its joints may explode.",
+    why="Physics engines hold such a link in place or cannot move it, and its joints may become "
+    "unstable.",
     example="<mass>0</mass>",
     instead="<mass>0.2</mass>",
 )
@@ -112,7 +113,7 @@ def computed(
         source.report(
             INERTIA_OF_MESH,
             "The inertia is computed from a mesh, a polyline or a heightmap: "
-            "the simulation uses the other shapes of the link alone.",
+            "the simulation uses only the other shapes of the link.",
             at=inertial,
             hint="Write mass and inertia as numbers.",
         )
@@ -224,7 +225,7 @@ def _read_inertial(node: Node, name: str, collisions: Sequence[Collision]) -> In
                 f"The link `{name}` has no <inertial>: Gazebo gives it 1 kg and 1 kg m².",
                 at=link,
                 child="inertial",
-                hint="Give it its own mass and inertia, or make the model static.",
+                hint="Add an <inertial> with mass and inertia, or make the model static.",
                 severity=Severity.WARNING if counts else Severity.INFO,
             )
         return DEFAULT_INERTIAL
@@ -258,21 +259,21 @@ def _check(
             NEGATIVE_MASS,
             f"The mass of the link `{name}` is negative ({inertial.mass:g} kg).",
             at=element,
-            hint="Give the link its mass in kilograms.",
+            hint="Write the mass of the link in kilograms.",
         )
         return
     if inertial.mass == 0 and not is_static:
         source.report(
             MASSLESS_MODEL_LINK,
-            f"The link `{name}` has mass 0: engines hold it still or cannot move it.",
+            f"The link `{name}` has mass 0: engines hold it in place or cannot move it.",
             at=element,
-            hint="Give it a mass, or make the model static.",
+            hint="Write its mass in kilograms, or make the model static.",
         )
     if not is_possible(inertial.inertia):
         low, middle, high = principal_moments(inertial.inertia)
         source.report(
             IMPOSSIBLE_INERTIA,
-            f"No body can have the inertia of the link `{name}`: its principal moments are "
+            f"The inertia of the link `{name}` is impossible: its principal moments are "
             f"{low:.4g}, {middle:.4g} and {high:.4g} kg m².",
             at=element,
             hint="Each must be positive, and none larger than the other two together. Compute it "

@@ -42,7 +42,7 @@ class NoDrive(NamedTuple):
 ABSENT = NoDrive(
     "its description has no diff drive plugin",
     "Add gz-sim-diff-drive-system (Gazebo Sim) or libgazebo_ros_diff_drive.so (Gazebo Classic) to "
-    "its <gazebo>. A diff_drive_controller of ros2_control is not tried.",
+    "its <gazebo>. wsgen does not drive a diff_drive_controller of ros2_control here.",
     is_there=False,
 )
 
@@ -59,9 +59,9 @@ def find_diff_drive(robot: Robot, *, simulator: str | None = None) -> DiffDrive 
     if not suited:
         there = {CLASSIC: "Gazebo Classic", SIM: "Gazebo Sim"}
         return NoDrive(
-            f"its diff drive plugin is for {there[found[0][0]]}, and the launch file starts "
+            f"its diff drive plugin is for {there[found[0][0]]}, but the launch file starts "
             f"{there[simulator or CLASSIC]}",
-            "Name the plugin of that simulator.",
+            "Use the diff drive plugin of that simulator.",
         )
     kind, plugin = suited[0]
     try:
@@ -94,9 +94,9 @@ def _read(kind: str, plugin: Plugin, robot: Robot) -> DiffDrive:
         for joint in (pair.left, pair.right):
             if joint not in movable:
                 raise _UnusableError(
-                    f"its diff drive plugin names the joint `{joint}`, and the robot has no such "
-                    "joint that can turn",
-                    "Write the names of the wheels' joints into <left_joint> and <right_joint>.",
+                    f"its diff drive plugin names the joint `{joint}`, but the robot has no "
+                    "revolute or continuous joint of that name",
+                    "Write the names of the wheel joints in <left_joint> and <right_joint>.",
                 )
     grip = robot.least_grip([joint for pair in pairs for joint in (pair.left, pair.right)])
     if kind == CLASSIC:
@@ -124,8 +124,8 @@ def _pairs(kind: str, values: Mapping[str, tuple[str, ...]]) -> Iterator[WheelPa
         raise _UnusableError(
             f"its diff drive plugin names {len(left)} left and {len(right)} right joints"
             + (f" for {count} pairs of wheels" if kind == CLASSIC else ""),
-            "Write one <left_joint> and one <right_joint> for every pair of wheels"
-            + (", and their number into <num_wheel_pairs>." if kind == CLASSIC else "."),
+            "Write one <left_joint> and one <right_joint> for each pair of wheels"
+            + (", and the number of pairs in <num_wheel_pairs>." if kind == CLASSIC else "."),
         )
     size, share = ("wheel_diameter", 0.5) if kind == CLASSIC else ("wheel_radius", 1.0)
     for index, (one, other) in enumerate(zip(left, right, strict=True)):

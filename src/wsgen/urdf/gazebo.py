@@ -110,7 +110,7 @@ UNKNOWN_REFERENCE = Rule(
     code="ROB030",
     name="unknown-reference",
     severity=Severity.WARNING,
-    summary="A `<gazebo>` element refers to no link or joint of the robot.",
+    summary="A `<gazebo>` element refers to a link or joint that does not exist.",
     why=(
         "Gazebo silently ignores the element: the link keeps its default friction, color and "
         "sensors."
@@ -143,7 +143,7 @@ UNKNOWN_GAZEBO_MATERIAL = Rule(
     name="unknown-gazebo-material",
     severity=Severity.WARNING,
     summary="A `<gazebo>` element names a material that Gazebo does not have.",
-    why="Gazebo shows the part in its default color.",
+    why="Gazebo draws the link in the default color.",
     example='<gazebo reference="base_link">\n  <material>Gazebo/Pink</material>\n</gazebo>',
     instead='<gazebo reference="base_link">\n  <material>Gazebo/Red</material>\n</gazebo>',
 )
@@ -152,7 +152,7 @@ MISPLACED_GAZEBO_ELEMENT = Rule(
     code="ROB033",
     name="misplaced-gazebo-element",
     severity=Severity.WARNING,
-    summary="A setting in a `<gazebo>` element has no effect on what the element refers to.",
+    summary="A setting is in the wrong kind of `<gazebo>` element and has no effect.",
     why=(
         "Some settings apply to links, some to joints and some to the whole robot. Gazebo "
         "silently ignores the others."
@@ -177,8 +177,8 @@ SDF_NOT_SIMULATED = Rule(
     severity=Severity.WARNING,
     summary="`wsgen` does not simulate a model, link or joint in a `<gazebo>` element.",
     why=(
-        "Gazebo adds these SDF elements to the robot, so the robot in Gazebo has parts that "
-        "wsgen's simulation does not have."
+        "Gazebo adds these SDF elements to the robot, which then has parts that are missing in "
+        "wsgen's simulation."
     ),
     example=(
         "<gazebo>\n"
@@ -188,12 +188,12 @@ SDF_NOT_SIMULATED = Rule(
         "  </joint>\n"
         "</gazebo>"
     ),
-    instead="Run this part of the robot in Gazebo itself.",
+    instead="# simulate this part of the robot in Gazebo",
 )
 NOT_SIMULATED_MESSAGE = (
     "Gazebo adds the SDF <{}> in a <gazebo> element to the robot; wsgen does not simulate it."
 )
-NOT_SIMULATED_HINT = "Run this part in Gazebo itself."
+NOT_SIMULATED_HINT = "Simulate this part in Gazebo."
 
 
 def read_tags(
@@ -335,8 +335,8 @@ def _report_unknown(
     near = nearest_element(collector, reference, known)
     collector.report(
         UNKNOWN_REFERENCE,
-        f"No link or joint has the name `{reference}`: Gazebo ignores this element.",
-        hint=did_you_mean(near) if near else "Name a link or joint of this robot.",
+        f"The robot has no link or joint `{reference}`: Gazebo ignores this <gazebo> element.",
+        hint=did_you_mean(near) if near else "Write the name of a link or joint of this robot.",
         at=element,
         path=path,
     )
@@ -374,7 +374,7 @@ def _check_value(  # noqa: PLR0913  what, where, and whether it counts
                 path=path,
             )
     elif key == "material" and text.startswith("Gazebo/") and text not in GAZEBO_COLORS:
-        message = f"Gazebo has no material `{text}`."
+        message = f"Gazebo does not have the material `{text}`."
         if any(found.message == message for found in collector.diagnostics):
             return  # once for each name
         near = nearest(text, GAZEBO_COLORS)
@@ -403,7 +403,7 @@ def _check_number(collector: Collector, element: Element, path: str, key: str, t
         collector.report(
             GAZEBO_NOT_A_NUMBER,
             f"{what} is less than 0, and Gazebo refuses the robot.",
-            hint="A coefficient of friction is 0 or greater.",
+            hint="Write 0 or a positive number.",
             at=element,
             path=path,
         )
@@ -420,7 +420,7 @@ def _check_number(collector: Collector, element: Element, path: str, key: str, t
         collector.report(
             GAZEBO_NOT_A_NUMBER,
             f"{what} is not one number: Gazebo reads the beginning, {number:g}.",
-            hint=f"Write {number:g} if that is meant.",
+            hint=f"Write {number:g}, or the number that is meant.",
             at=element,
             path=path,
             severity=Severity.WARNING,
@@ -443,15 +443,18 @@ def _check_placement(
         right_place = "a <collision>"
     if right_place is None:
         return
-    hint = 'Put it into <gazebo reference="NAME"> with the name of ' + right_place + "."
+    hint = 'Move it to <gazebo reference="NAME"> with the name of ' + right_place + "."
     if key in OF_COLLISIONS:
-        hint = f"Write {OF_COLLISIONS[key]}, which Gazebo gives to the shapes of the link."
+        hint = f"Write {OF_COLLISIONS[key]}, which Gazebo applies to the collisions of the link."
     elif key in LUMPING_KEYS:
-        hint = 'Put it into <gazebo reference="JOINT"> with the name of the fixed joint.'
+        hint = 'Move it to <gazebo reference="JOINT"> with the name of the fixed joint.'
     elif key == "static":
-        hint = "Put it into a <gazebo> without reference."
+        hint = "Move it to a <gazebo> without `reference`."
     elif key == "selfCollide" and not is_joint:
-        hint = "For all links write <self_collide>true</self_collide>, which Gazebo copies."
+        hint = (
+            "Write <self_collide>true</self_collide>, which Gazebo copies to the model, for all "
+            "links."
+        )
     collector.report(
         MISPLACED_GAZEBO_ELEMENT,
         f"<{key}> belongs to {right_place}: here it has no effect.",

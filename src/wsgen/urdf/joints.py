@@ -28,8 +28,8 @@ INCOMPLETE_JOINT = Rule(
     code="ROB014",
     name="incomplete-joint",
     severity=Severity.ERROR,
-    summary="A joint has no parent or child, or its `<mimic>` names no joint.",
-    why="`urdfdom` cannot build the tree of links, and refuses the robot.",
+    summary="A joint has no parent or child, or its `<mimic>` does not name a joint.",
+    why="`urdfdom` cannot build the tree of links and refuses the robot.",
     example='<joint name="arm_joint" type="fixed">\n  <child link="arm"/>\n</joint>',
     instead=(
         '<joint name="arm_joint" type="fixed">\n'
@@ -44,8 +44,8 @@ UNNORMALIZED_AXIS = Rule(
     name="unnormalized-axis",
     severity=Severity.WARNING,
     summary="The axis of a joint does not have length 1.",
-    what="Lengths within 0.001 of 1 are accepted: hand-written axes have three digits.",
-    why="Gazebo normalizes the axis; other programs scale the motion of the joint with its length.",
+    what="Deviations up to 0.001 are allowed: hand-written axes often have three digits.",
+    why="Gazebo normalizes the axis; other programs scale the motion of the joint by its length.",
     example='<axis xyz="0 0 2"/>',
     instead='<axis xyz="0 0 1"/>',
 )
@@ -55,7 +55,7 @@ MISSING_LIMIT = Rule(
     name="missing-limit",
     severity=Severity.ERROR,
     summary="A revolute or prismatic joint has no `<limit>`.",
-    why="`urdfdom` refuses the robot. A joint that turns without limits is continuous.",
+    why="`urdfdom` refuses the robot. The type of a joint without limits is `continuous`.",
     example=(
         '<joint name="arm_joint" type="revolute">\n'
         '  <parent link="base_link"/>\n'
@@ -153,7 +153,7 @@ def _read_axis(collector: Collector, element: Element, path: str) -> tuple[float
             collector.report_missing(
                 ZERO_AXIS,
                 "The axis has length 0.",
-                hint='Write the axis that the joint moves about or along, for example xyz="0 0 1".',
+                hint='Write the direction of rotation or motion, for example xyz="0 0 1".',
                 at=axis,
                 path=f"{path}/axis",
                 name="" if "xyz" in axis.attrib else "xyz",
@@ -163,7 +163,7 @@ def _read_axis(collector: Collector, element: Element, path: str) -> tuple[float
             collector.report(
                 UNNORMALIZED_AXIS,
                 f"The axis has length {length:.4g}, not 1.",
-                hint="Divide it by its length: some programs scale the joint's motion with it.",
+                hint="Divide it by its length: some programs scale the motion of the joint by it.",
                 at=axis,
                 path=f"{path}/axis",
             )
@@ -185,7 +185,7 @@ def _read_limit(
             collector.report(
                 SWAPPED_LIMITS,
                 f"The lower limit {lower:g} is above the upper limit {upper:g}.",
-                hint="Swap them. Gazebo does so; other programs ignore such limits.",
+                hint="Swap them. Gazebo swaps them, too; other programs ignore such limits.",
                 at=limit,
                 path=path,
             )
@@ -196,7 +196,7 @@ def _read_limit(
     if kind in NEED_LIMITS:
         collector.report_missing(
             MISSING_LIMIT,
-            f"A {kind.value} joint needs <limit>.",
+            f"A {kind.value} joint must have a <limit>.",
             hint='Add <limit lower="-1" upper="1" effort="10" velocity="1"/> (rad or m, N m or N)'
             + (", or make the joint continuous." if kind is JointType.REVOLUTE else "."),
             at=element,
@@ -231,7 +231,7 @@ def _read_mimic(collector: Collector, element: Element, path: str) -> Mimic | No
         if mimic.get("joint") is None:
             collector.report_missing(
                 INCOMPLETE_JOINT,
-                "<mimic> names no joint.",
+                "<mimic> does not name a joint.",
                 hint='Write <mimic joint="JOINT"/>.',
                 at=mimic,
                 path=path,

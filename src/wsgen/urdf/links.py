@@ -54,8 +54,9 @@ ANGLE_IN_DEGREES = Rule(
     name="angle-in-degrees",
     severity=Severity.WARNING,
     summary="The angle of an `<origin>` looks like degrees.",
-    what="Looks for angles of more than a whole turn, which is 6.2832 rad.",
-    why="URDF reads radians: 90 are 14 turns and 116 degrees, and the part points anywhere.",
+    what="Looks for angles above a full turn (6.2832 rad).",
+    why="Angles in URDF are in radians: 90 rad are 14 turns and 117 degrees, so that the "
+    "orientation is wrong.",
     example='<origin xyz="0 0 0.1" rpy="90 0 0"/>',
     instead='<origin xyz="0 0 0.1" rpy="1.5708 0 0"/>',
 )
@@ -66,8 +67,8 @@ INCOMPLETE_INERTIAL = Rule(
     severity=Severity.ERROR,
     summary="An `<inertial>` has no `<mass>` or no `<inertia>`.",
     why=(
-        "`urdfdom` stops reading the link there: the shapes of the link are lost, and Gazebo "
-        "drops a link without mass."
+        "`urdfdom` stops reading the link there: its shapes are lost, and Gazebo drops a link "
+        "without mass."
     ),
     example='<inertial>\n  <mass value="1"/>\n</inertial>',
     instead=(
@@ -83,7 +84,7 @@ UNDEFINED_MATERIAL = Rule(
     name="undefined-material",
     severity=Severity.WARNING,
     summary="A visual uses a material that is not defined.",
-    why="Gazebo and RViz show the part in their default color.",
+    why="Gazebo and RViz draw the link in their default color.",
     example=(
         "<visual>\n"
         '  <geometry><sphere radius="0.1"/></geometry>\n'
@@ -126,7 +127,7 @@ UNNAMED_MESH = Rule(
     name="unnamed-mesh",
     severity=Severity.ERROR,
     summary="A mesh has no file name.",
-    why="`urdfdom` stops reading the link there and silently leaves out everything behind it.",
+    why="`urdfdom` stops reading the link there and silently drops its remaining elements.",
     example='<mesh scale="0.001 0.001 0.001"/>',
     instead='<mesh filename="package://my_robot/meshes/arm.stl" scale="0.001 0.001 0.001"/>',
 )
@@ -135,10 +136,10 @@ DUPLICATE_MATERIAL = Rule(
     code="ROB059",
     name="duplicate-material",
     severity=Severity.ERROR,
-    summary="A material is defined twice for the whole robot.",
+    summary="A material is defined twice at the top level of the robot.",
     why=(
-        "`urdfdom` refuses the robot, even if the colors are equal. It usually happens when a "
-        "xacro file with materials is included twice."
+        "`urdfdom` refuses the robot, even if the colors are equal. Usually a xacro file with "
+        "materials is included twice."
     ),
     example=(
         '<material name="blue"><color rgba="0 0 1 1"/></material>\n'
@@ -198,8 +199,7 @@ def _report_lost(collector: Collector, error: int, visuals: int, collisions: int
     if lost and error < len(collector.errors):  # not where unexpanded xacro is the cause
         collector.add_consequence(
             error,
-            "Gazebo's parser stops reading the link there and leaves out what follows: "
-            f"{' and '.join(lost)}.",
+            f"Gazebo's parser stops reading the link there and drops {' and '.join(lost)}.",
         )
 
 
@@ -245,7 +245,7 @@ def _read_mass(collector: Collector, element: Element, path: str) -> float | Non
         collector.report(
             NEGATIVE_MASS,
             f"The mass is negative ({mass:g} kg).",
-            hint="Give the link its mass in kilograms.",
+            hint="Write the mass of the link in kilograms.",
             at=element,
             path=f"{path}/mass",
         )
@@ -256,7 +256,7 @@ class Unusable(Enum):
     """Why a shape is not part of the robot."""
 
     UNREADABLE = "urdfdom stops reading the link at it"
-    WITHOUT_EXTENT = "Gazebo's parser accepts it, and no engine does"
+    WITHOUT_EXTENT = "Gazebo's parser accepts it, but physics engines do not"
 
 
 def read_origin(collector: Collector, element: Element, path: str) -> Pose | None:
@@ -281,7 +281,7 @@ def _report_degrees(
     radians = " ".join(f"{math.radians(angle):.6g}" for angle in rpy)
     collector.report(
         ANGLE_IN_DEGREES,
-        f'rpy="{origin.get("rpy")}" looks like degrees, but URDF reads radians.',
+        f'rpy="{origin.get("rpy")}" looks like degrees; URDF uses radians.',
         hint=f'Write rpy="{radians}".',
         at=origin,
         path=f"{path}/@rpy",
@@ -336,7 +336,9 @@ def _read_geometry(collector: Collector, owner: Element, path: str) -> Geometry 
         near = None if shape is None else meant_element(shape.tag, SHAPES)
         collector.report_missing(
             NO_SHAPE,
-            "The geometry is empty." if shape is None else f"URDF has no shape <{shape.tag}>.",
+            "The geometry is empty."
+            if shape is None
+            else f"URDF does not have a shape <{shape.tag}>.",
             hint=f"Put one of {', '.join(f'<{name}>' for name in SHAPES)} into it.",
             at=geometry,
             path=path,
@@ -346,7 +348,7 @@ def _read_geometry(collector: Collector, owner: Element, path: str) -> Geometry 
     collector.report_missing(
         NO_SHAPE,
         "<geometry> is missing.",
-        hint="Add <geometry> with a shape in it, or remove the element.",
+        hint="Add a <geometry> with a shape, or remove the element.",
         at=owner,
         path=path,
         name="geometry",
@@ -410,7 +412,8 @@ def _without_extent(
         collector.report(
             ZERO_SIZE,
             f"{message}: it is not visible.",
-            hint="Remove the <visual>, or give every length, radius and scale a number of meters.",
+            hint="Remove the <visual>, or write every length, radius and scale as a positive "
+            "number (m).",
             at=shape,
             path=path,
             severity=Severity.WARNING,
@@ -428,8 +431,8 @@ def _without_extent(
         collector.report(
             ZERO_SIZE,
             f"{message}.",
-            hint="Give every length, radius and scale a positive number of meters: Gazebo's "
-            "physics engine terminates the program on such a shape. Mirror meshes in their files.",
+            hint="Write every length, radius and scale as a positive number (m): Gazebo's physics "
+            "engine terminates the program on such a shape. Mirror a mesh in its file.",
             at=shape,
             path=path,
         )
@@ -459,8 +462,8 @@ def read_materials(collector: Collector, root: Element) -> dict[str, Rgba | None
                 collector.report(
                     TWO_COLORED_MATERIAL,
                     f"The material `{name}` has two colors.",
-                    hint="Define it once, or give the second one another name: Gazebo takes the "
-                    "first color for both, other programs may not.",
+                    hint="Remove one definition, or give the second one another name: Gazebo uses "
+                    "the first color for both, other programs may not.",
                     at=material,
                     path=path,
                 )
@@ -475,10 +478,10 @@ def _report_repeated(collector: Collector, root: Element) -> None:
         if name in names:
             collector.report(
                 DUPLICATE_MATERIAL,
-                f"The material `{name or ''}` is defined twice for the whole robot: Gazebo "
-                "refuses the robot, even if the colors are equal.",
-                hint="Remove one of the definitions. In xacro, put them into a separate file that "
-                "is included once.",
+                f"The material `{name or ''}` is defined twice at the top level: Gazebo refuses "
+                "the robot, even if the colors are equal.",
+                hint="Remove one of the definitions. In xacro, move materials to a separate file "
+                "that is included once.",
                 at=material,
                 path=f"material[@name='{name or ''}']",
             )
@@ -521,7 +524,7 @@ def _read_color(collector: Collector, material: Element, path: str) -> Rgba | No
             collector.report(
                 COLOR_OUT_OF_RANGE,
                 f'rgba="{color.get("rgba")}" is not between 0 and 1.',
-                hint="Divide by 255 if these are bytes.",
+                hint="Write numbers between 0 and 1: divide bytes by 255.",
                 at=color,
                 path=f"{path}/color",
             )

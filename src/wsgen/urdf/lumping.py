@@ -49,13 +49,13 @@ DROPPED_LINK = Rule(
     code="ROB040",
     name="dropped-link",
     severity=Severity.ERROR,
-    severity_varies="a warning for what is fixed to the world and carries nothing, such as a plate "
-    "under an arm, and of `wsgen check` where nothing in the workspace has to do with Gazebo",
-    summary="Gazebo drops a link without mass, and everything that is attached to it.",
+    severity_varies="a warning for links that are fixed to the world and carry nothing, such as a "
+    "plate under an arm, and from `wsgen check` where nothing in the workspace uses Gazebo",
+    summary="Gazebo drops a link without mass and everything that is attached to it.",
     why=(
         "`sdformat` drops a link without mass unless a fixed joint attaches it to a link with "
         "mass. The robot in Gazebo lacks the link, its joint and everything below it; older "
-        "versions do not even print a warning."
+        "versions do not print a warning."
     ),
     example='<link name="wheel">\n  <collision>…</collision>\n</link>',
     instead=(
@@ -91,8 +91,8 @@ IMPOSSIBLE_SUM = Rule(
     code="ROB042",
     name="impossible-sum",
     severity=Severity.ERROR,
-    severity_varies="a warning in Gazebo Classic, which loads the robot all the same",
-    summary="Links that fixed joints attach to each other have together an impossible inertia.",
+    severity_varies="a warning in Gazebo Classic, which still loads the robot",
+    summary="The total inertia of links that are connected by fixed joints is impossible.",
     why=(
         "`sdformat` lumps the links into one body, and Gazebo Sim refuses a robot with a body of "
         "impossible inertia."
@@ -110,10 +110,10 @@ GAZEBO_VALUE_WITHOUT_EFFECT = Rule(
     code="ROB046",
     name="gazebo-value-without-effect",
     severity=Severity.WARNING,
-    summary="A surface value in a `<gazebo>` element applies to no collision.",
+    summary="A surface value in a `<gazebo>` element does not apply to a collision.",
     why=(
-        "`sdformat` finds the collisions of a link by the names that it gives them. A collision "
-        "whose own name does not begin with that of its link is not found, and keeps the "
+        "`sdformat` finds the collisions of a link by the names that it generates. A collision "
+        "with a `name` that does not begin with that of its link is not found, and keeps the "
         "default friction."
     ),
     example=(
@@ -140,8 +140,8 @@ UNKNOWN_END_OF_SDF_JOINT = Rule(
     severity=Severity.ERROR,
     summary="An SDF joint in a `<gazebo>` element names a link that does not exist.",
     why=(
-        "Gazebo adds the joint to the robot, and refuses the robot because the joint has no "
-        "such link."
+        "Gazebo adds the joint to the robot, and then refuses the robot because the link does not "
+        "exist."
     ),
     example=(
         "<gazebo>\n"
@@ -189,7 +189,7 @@ DROPPED_BY_OLD_SDFORMAT = Rule(
     code="ROB080",
     name="dropped-by-old-sdformat",
     severity=Severity.WARNING,
-    summary="Older versions of sdformat drop what moves on a link without mass.",
+    summary="Older versions of sdformat drop links on movable joints of a link without mass.",
     why=(
         "`sdformat` before 9.10.1, 12.7.2 and 13.5 (Debian 12 and Ubuntu 22.04 have such "
         "versions) drops every link that is attached to a lumped link without mass by a "
@@ -561,7 +561,7 @@ def _only_world(robot: Robot, file: Path | None) -> Iterator[Diagnostic]:
             robot.links[0].line,
             "link[@name='world']",
             message="The robot has no link besides `world`: Gazebo refuses it.",
-            hint="Attach a link to it by a joint, or rename it.",
+            hint="Attach a link to `world` by a joint, or rename it.",
         )
 
 
@@ -587,7 +587,7 @@ def _check_sdf_joints(
                     file,
                     joint.line,
                     place,
-                    message=f"{what}, but no link has that name: Gazebo refuses the robot.",
+                    message=f"{what}, which does not exist: Gazebo refuses the robot.",
                     hint="Name a link of this robot.",
                 )
             else:
@@ -624,9 +624,9 @@ def _dropped_by_old_sdformat(
                     links[massless].line,
                     f"link[@name='{massless}']",
                     message=f"`{massless}` has no mass, and sdformat before 9.10.1, 12.7.2 and "
-                    "13.5 (Debian 12 and Ubuntu 22.04 have such) drops what moves on it: "
-                    f"{_named(lost)}, {mass:.4g} kg.",
-                    hint=f"Give `{massless}` an <inertial> with a small mass, or join "
+                    "13.5 (Debian 12 and Ubuntu 22.04 have such) drops the links on its movable "
+                    f"joints: {_named(lost)}, {mass:.4g} kg.",
+                    hint=f"Add an <inertial> with a small mass to `{massless}`, or attach "
                     f"{_named(lost[:1])} to `{name}`.",
                 )
 
@@ -646,7 +646,7 @@ def _report_dropped(
             blamed.line,
             f"link[@name='{blamed.name}']",
             message=message,
-            hint=f"Give `{blamed.name}` an <inertial> with a mass"
+            hint=f"Add an <inertial> with a mass to `{blamed.name}`"
             + (
                 ", or attach a link with mass to it by a fixed joint."
                 if blamed.name == name
@@ -719,7 +719,7 @@ def _two_zero_masses(robot: Robot, body: Body, file: Path | None) -> Iterator[Di
         file,
         blamed.line,
         f"link[@name='{blamed.name}']/inertial/mass",
-        message=f"The links `{child}` and `{parent}` are attached by a fixed joint and have no "
+        message=f"The links `{child}` and `{parent}` are connected by a fixed joint and have no "
         "mass: their center of mass is not a number, and Gazebo refuses the robot.",
         hint=f"Remove <inertial> from `{blamed.name}`: Gazebo accepts a lumped link without one.",
     )
@@ -735,8 +735,8 @@ def _impossible_sum(body: Body, link: Link, file: Path | None) -> Iterator[Diagn
         file,
         link.line,
         f"link[@name='{link.name}']",
-        message=f"With the links that fixed joints attach to it, `{link.name}` has an inertia "
-        "that no body has: Gazebo Sim refuses the robot.",
+        message=f"Together with the links that fixed joints attach to it, `{link.name}` has an "
+        "impossible inertia: Gazebo Sim refuses the robot.",
         hint=f"Correct the inertia of {', '.join(f'`{name}`' for name in body.lumped[:NAMED])}"
         f" or of `{link.name}` itself.",
     )
@@ -754,10 +754,11 @@ def _without_inertia(body: Body, lumped: Link, file: Path | None) -> Iterator[Di
         f"link[@name='{link.name}']/inertial/inertia",
         severity=Severity.WARNING,
         message=f"The link `{link.name}` has a mass of {lumped.inertial.mass:g} kg and no inertia: "
-        "the slightest contact makes it spin.",
-        hint="Compute it from mass and shape, or export it from CAD."
+        "every contact makes it spin.",
+        hint="Compute the inertia from mass and shape, or export it from CAD."
         if (moments := if_filled(link)) is None
-        else f"If it is evenly filled: {as_attributes(moments)} (kg m², the products 0).",
+        else f"If the mass is right and the body homogeneous, write {as_attributes(moments)} (kg "
+        "m², products 0).",
     )
 
 
@@ -774,8 +775,8 @@ def _values_without_effect(
             file,
             tag.line,
             f"gazebo[@reference='{about.name}']/{key}",
-            message=f"<{key}> has no effect: Gazebo finds no collision of the link "
-            f"`{about.name}`{where} by the name that it looks for.",
+            message=f"<{key}> has no effect: Gazebo does not find the collisions of the link "
+            f"`{about.name}`{where} by their names.",
             hint=f"Remove the attribute `name` from the collisions of `{about.name}`."
             if any(collision.name for collision in about.collisions)
             else f"Give `{about.name}` a name that does not begin with `{link.name}`.",

@@ -88,10 +88,7 @@ DUPLICATE_LINK = Rule(
     name="duplicate-link",
     severity=Severity.ERROR,
     summary="Two links have the same name.",
-    why=(
-        "`urdfdom` refuses the robot. It usually happens when a xacro macro is called twice "
-        "without a prefix."
-    ),
+    why=("`urdfdom` refuses the robot. Usually a xacro macro is called twice without a prefix."),
     example='<link name="wheel"/>\n<link name="wheel"/>',
     instead='<link name="left_wheel"/>\n<link name="right_wheel"/>',
 )
@@ -116,12 +113,12 @@ UNEXPANDED_XACRO = Rule(
     code="ROB017",
     name="unexpanded-xacro",
     severity=Severity.ERROR,
-    severity_varies="a warning in a name or a plugin, which take the text as it is",
-    summary="A URDF contains an expression of xacro.",
+    severity_varies="a warning in a name or a plugin, which use the text as it is",
+    summary="A URDF contains a xacro expression.",
     why=(
-        "Gazebo and robot_state_publisher do not know xacro: they refuse the text or read 0 in "
-        "its place. Usually a launch file reads the .xacro file without expanding it, or a "
-        "macro or property is not defined."
+        "Gazebo and robot_state_publisher do not evaluate xacro: they refuse the text or read 0. "
+        "Usually a launch file reads the .xacro file without expanding it, or a macro or property "
+        "is not defined."
     ),
     example="with open('robot.urdf.xacro') as file:\n    robot_description = file.read()",
     instead="robot_description = xacro.process_file('robot.urdf.xacro').toxml()",
@@ -131,11 +128,11 @@ IGNORED_XACRO = Rule(
     code="ROB143",
     name="ignored-xacro",
     severity=Severity.ERROR,
-    severity_varies="a warning for a definition, which adds nothing by itself",
-    summary="A URDF contains an element of xacro, which Gazebo ignores.",
-    what="Looks for elements of xacro in what is spawned. The robot is spawned and simulated "
-    "without what they would add, as in Gazebo.",
-    why="Gazebo spawns the robot without what a macro, an included file or a condition would add: "
+    severity_varies="a warning for a definition, which does not add anything by itself",
+    summary="A URDF contains a xacro element, which Gazebo ignores.",
+    what="Looks for xacro elements in spawned robots. The robot is simulated without the parts "
+    "that they would add, as in Gazebo.",
+    why="Gazebo spawns the robot without the parts of macros, included files and conditions: "
     "wheels, joints, sensors. Usually a launch file reads the .xacro file without expanding it.",
     example="with open('robot.urdf.xacro') as file:\n    robot_description = file.read()",
     instead="robot_description = xacro.process_file('robot.urdf.xacro').toxml()",
@@ -146,7 +143,7 @@ UNKNOWN_URDF_VERSION = Rule(
     name="unknown-urdf-version",
     severity=Severity.ERROR,
     summary="The version of a URDF is not 1.0.",
-    why="`urdfdom` knows version 1.0 only, and refuses the robot.",
+    why="`urdfdom` supports only version 1.0, and refuses the robot.",
     example='<robot name="my_robot" version="2.0">',
     instead='<robot name="my_robot">',
 )
@@ -156,9 +153,9 @@ UNKNOWN_URDF_VERSION = Rule(
 LOST_WITH = {
     "robot": "the value is lost",
     "material": "the color is lost",
-    "inertial": "it leaves out the <inertial> of the link",
-    "visual": "it stops reading the link there, and leaves out visuals and all collisions",
-    "collision": "it stops reading the link there, and leaves out collisions",
+    "inertial": "it drops the <inertial> of the link",
+    "visual": "it stops reading the link there, and drops visuals and all collisions",
+    "collision": "it stops reading the link there, and drops collisions",
     "joint": "it refuses the robot",
     "gazebo": "the value is lost, or Gazebo's parser ends with an error",
     "plugin": "",  # reads the text as it is
@@ -228,7 +225,7 @@ def _read_robot(collector: Collector, root: Element) -> Robot:
     if not links:
         collector.report_missing(
             NO_LINK,
-            "The robot has no link.",
+            "The robot does not have a link.",
             hint='Add <link name="base_link">. In a xacro file, a macro that is defined must also '
             "be called.",
             at=root,
@@ -298,7 +295,7 @@ def _unique_names(
             collector.report(
                 duplicate,
                 f"Two {element.tag}s have the name `{name}`.",
-                hint="Give each its own name. In a xacro macro, use a parameter as a prefix.",
+                hint="Give each a different name. In a xacro macro, use a parameter as a prefix.",
                 at=element,
                 path=f"{element.tag}[@name='{name}']",
             )
@@ -317,7 +314,7 @@ def _decode(collector: Collector, data: bytes) -> str | None:
             f"The file is encoded in {wide}: Gazebo and robot_state_publisher read UTF-8 only."
             if wide
             else "The file is not a text file: it contains null bytes.",
-            hint=save_as_utf8(wide) if wide else "Name a text file in UTF-8.",
+            hint=save_as_utf8(wide) if wide else "Give a text file in UTF-8.",
             at=1,
         )
         return None
@@ -349,10 +346,10 @@ def _read_document(collector: Collector, text: str) -> Element | None:
     if len(text) > TEXT_LIMIT or "<!ENTITY" in text:
         collector.report(
             OVERSIZED_FILE,
-            f"The document has more than {TEXT_LIMIT} characters: wsgen does not read it."
+            f"The document has more than {TEXT_LIMIT} characters, the most that wsgen reads."
             if len(text) > TEXT_LIMIT
             else "The document declares entities.",
-            hint="Write the values out. A URDF needs neither entities nor embedded data.",
+            hint="Write the values instead; remove entities and embedded data.",
             at=None,
         )
         return None
@@ -366,7 +363,7 @@ def _read_document(collector: Collector, text: str) -> Element | None:
         collector.report(
             NOT_A_ROBOT,
             f"The root element is <{root.tag}>, not <robot>.",
-            hint='A URDF starts with <robot name="NAME">; an SDF file is not a URDF.',
+            hint='Write <robot name="NAME"> as the root element; name an SDF file .sdf or .world.',
             at=root,
             path=str(root.tag),
         )
@@ -420,7 +417,7 @@ def _report_instructions(collector: Collector, text: str) -> None:
         collector.report(
             MALFORMED_XML,
             "Gazebo's parser accepts processing instructions (<?…?>) only before all elements.",
-            hint="Remove it, or put it into the first lines of the file.",
+            hint="Remove it, or move it before the root element.",
             at=text.count("\n", 0, start + place) + 1,
         )
 
@@ -452,7 +449,7 @@ def _report_broken_lines(collector: Collector, text: str) -> None:
         collector.report(
             NOT_A_NUMBER,
             f"A line break or tab separates the numbers of `{found[1]}`.",
-            hint="Separate them with blanks: Gazebo refuses anything else.",
+            hint="Separate them with blanks: Gazebo refuses other separators.",
             at=text.count("\n", 0, found.start()) + 1,
             path=f"@{found[1]}",
         )
@@ -473,9 +470,9 @@ def _report_unexpanded(
         holder = "the plugin reads" if inside == "plugin" else "Gazebo takes"
         collector.report(
             UNEXPANDED_XACRO,
-            f"`{text}` is an expression of xacro: {holder} it as it is written."
+            f"`{text}` is a xacro expression: {holder} it as it is written."
             if is_kept
-            else f"`{text}` is an expression of xacro, which Gazebo does not evaluate: "
+            else f"`{text}` is a xacro expression, which Gazebo does not evaluate: "
             f"{LOST_WITH[inside]}.",
             hint="Expand the file with xacro first; check that the property is defined.",
             at=element,
@@ -503,16 +500,16 @@ def _report_ignored(collector: Collector, element: Element, path: str) -> None:
         f"{count} {name}{'s' if count > 1 else ''}" for name, count in found.items() if count
     )
     if kind in DEFINITIONS:
-        lost = "it adds nothing to the robot by itself"
+        lost = "it does not add anything to the robot by itself"
     elif kind == "include":
-        lost = f"what the file `{(element.get('filename') or '')[:60]}` adds is missing"
+        lost = f"the content of the file `{(element.get('filename') or '')[:60]}` is missing"
     elif held:
         lost = f"the {held} in it are missing"
     else:
-        lost = "what it adds to the robot is missing"
+        lost = "the parts that it adds to the robot are missing"
     collector.report(
         IGNORED_XACRO,
-        f"Gazebo ignores <{tag}>, an element of xacro: {lost}.",
+        f"Gazebo ignores the xacro element <{tag}>: {lost}.",
         hint="Expand the file with xacro first: Command(['xacro ', path]) in the launch file.",
         at=element,
         path=f"{path}/{tag}",

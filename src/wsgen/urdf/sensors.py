@@ -62,7 +62,7 @@ INCOMPLETE_PLUGIN = Rule(
     name="incomplete-plugin",
     severity=Severity.ERROR,
     summary="A plugin has no `name` or no `filename`.",
-    why="Gazebo refuses the whole robot, or in some places ignores the plugin.",
+    why="Gazebo refuses the whole robot or, in some places, ignores the plugin.",
     example='<plugin filename="libgazebo_ros_diff_drive.so">',
     instead='<plugin name="diff_drive" filename="libgazebo_ros_diff_drive.so">',
 )
@@ -71,8 +71,8 @@ INVALID_SENSOR_VALUE = Rule(
     code="ROB099",
     name="invalid-sensor-value",
     severity=Severity.ERROR,
-    severity_varies="a warning of a text that begins with a number",
-    summary="A value of a sensor is no number, neither true nor false, or out of range.",
+    severity_varies="a warning for a text that begins with a number",
+    summary="A value of a sensor is not a number or flag, or is out of range.",
     what="Checks rates, sizes, ranges, angles, noise, flags and poses in `<sensor>`. The field of "
     "view of a camera is an angle between 0.1 and 6.28 rad.",
     why="Gazebo refuses the whole robot.",
@@ -176,7 +176,7 @@ def _number_problem(tag: str, text: str) -> tuple[str, str, Severity] | None:
         return message, hint, Severity.ERROR
     if len(text.split()) > 1:
         message = f"<{tag}>: `{text[:60]}` is not one number: Gazebo reads {number:g}."
-        return message, f"Write {number:g} if that is meant.", Severity.WARNING
+        return message, f"Write {number:g}, or the number that is meant.", Severity.WARNING
     return None
 
 

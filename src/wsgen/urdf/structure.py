@@ -62,8 +62,8 @@ LINK_CYCLE = Rule(
     severity=Severity.ERROR,
     summary="The links form a cycle.",
     why=(
-        "A URDF is a tree. On a cycle `check_urdf` and `gz sdf` print without end, and "
-        "PyBullet crashes."
+        "A URDF is a tree. With a cycle, `check_urdf` and `gz sdf` print endlessly, and PyBullet "
+        "crashes."
     ),
     example=(
         '<joint name="a" type="fixed"><parent link="arm"/><child link="hand"/></joint>\n'
@@ -97,8 +97,8 @@ MIMIC_CYCLE = Rule(
     severity=Severity.ERROR,
     summary="A joint mimics itself, directly or through other joints.",
     why=(
-        "None of these joints leads: their positions are not determined, and programs that "
-        "follow the cycle may never finish."
+        "The positions of these joints are not determined, and programs that follow the cycle may "
+        "never finish."
     ),
     example=(
         '<joint name="left_joint" type="revolute"><mimic joint="right_joint"/>…</joint>\n'
@@ -129,7 +129,7 @@ def find_root(
                     TWO_PARENTS,
                     f"The link `{joint.child}` has two parents: `{other.parent}` through the joint "
                     f"`{other.name}`, and `{joint.parent}`.",
-                    hint="A URDF is a tree: remove one of the joints. Closed chains need SDF.",
+                    hint="Remove one of the joints: a URDF is a tree. Use SDF for closed chains.",
                     at=element,
                     path=path,
                 )
@@ -197,7 +197,7 @@ def _report_cycle(collector: Collector, parent_of: dict[str, tuple[Joint, Elemen
             collector.report(
                 LINK_CYCLE,
                 f"The links form a cycle: {_some(cycle)}, and back to `{cycle[0]}`.",
-                hint="A URDF is a tree: remove the joint that closes the cycle.",
+                hint="Remove the joint that closes the cycle: a URDF is a tree.",
                 at=element,
                 path=f"joint[@name='{joint.name}']",
             )
@@ -232,7 +232,7 @@ def check_names(collector: Collector, robot: Robot, line_of_robot: int | None) -
                 ONE_NAME_FOR_LINK_AND_JOINT,
                 f"A link and a joint have the same name `{joint.name}`: Gazebo Sim refuses "
                 "the robot.",
-                hint=f"Rename the joint, to `{joint.name}_joint` for example: SDF has one "
+                hint=f"Rename the joint, for example to `{joint.name}_joint`: SDF has one "
                 "namespace for both.",
                 at=joint.line,
                 path=f"joint[@name='{joint.name}']",
@@ -263,9 +263,9 @@ def check_mimics(collector: Collector, robot: Robot) -> None:
         if joint.mimic.joint not in names:
             collector.report(
                 UNKNOWN_MIMICKED_JOINT,
-                f"The joint `{joint.name}` mimics `{joint.mimic.joint}`, which does not exist: "
-                "it moves on its own.",
-                hint="Name a joint of this robot.",
+                f"The joint `{joint.name}` mimics `{joint.mimic.joint}`, which does not exist: it "
+                "moves independently.",
+                hint="Write the name of a joint of this robot.",
                 at=joint.line,
                 path=path,
                 severity=Severity.WARNING,
@@ -275,7 +275,7 @@ def check_mimics(collector: Collector, robot: Robot) -> None:
             collector.report(
                 MIMIC_CYCLE,
                 f"The joint `{joint.name}` mimics itself.",
-                hint="Let it mimic a joint that does not mimic it.",
+                hint="Write the name of another joint in <mimic>.",
                 at=joint.line,
                 path=path,
             )
@@ -318,7 +318,7 @@ def check_inertias(collector: Collector, robot: Robot) -> None:
         filled = if_filled(link)
         collector.report(
             IMPOSSIBLE_INERTIA,
-            f"No body has the inertia of the link `{link.name}`: its principal moments are "
+            f"The inertia of the link `{link.name}` is impossible: its principal moments are "
             f"{low:.4g}, {middle:.4g} and {high:.4g} kg m².",
             hint="Each must be positive, and none larger than the other two together. Compute it "
             "from mass and shape, or export it from CAD about the center of mass."

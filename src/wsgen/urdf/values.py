@@ -122,7 +122,7 @@ def read_numbers(  # noqa: PLR0913  what, where, and how it is called
     if problem is None and len(words) != count:
         problem = f"it has {len(words)} instead of {count} numbers"
     if problem is None and count == 1 and text[-1].isspace():
-        problem = "a blank follows the number"
+        problem = "the number is followed by a blank"
     if problem is None:
         return tuple(number for number in numbers if isinstance(number, float))
     collector.report(
