@@ -30,6 +30,7 @@ OF_RUNS: dict[str, tuple[Rule, ...]] = {
         runs.CUT_SHORT,
         runs.THROWN_INTO_THE_AIR,
         runs.GAINS_ENERGY,
+        runs.ENGINE_UNSTABLE,
     ),
     "does not sink or fall": (
         runs.STUCK_IN_GROUND,
