@@ -465,6 +465,7 @@ def generate_launch_description():
     marker.touch()
     prefix = tmp_path / "ws/install/cart"
     (tmp_path / "ws/install/setup.sh").write_text(f"export AMENT_PREFIX_PATH={prefix}\n")
+    (tmp_path / "ws/install/COLCON_IGNORE").touch()
     with opened(package=name, workspace=Workspace(root=tmp_path / "ws")) as subject:
         with pytest.raises(RequestError) as caught:
             subject.check(grid("mass=1,2"))
