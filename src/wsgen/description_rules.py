@@ -8,11 +8,11 @@ MALFORMED_XML = Rule(
     code="ROB001",
     name="malformed-xml",
     severity=Severity.ERROR,
-    severity_varies="a warning where Gazebo's parser reads the file all the same",
+    severity_varies="a warning where Gazebo's parser still reads the file",
     summary="A URDF or SDF file is not well-formed XML.",
     why=(
-        "Gazebo reads nothing of such a file. A few mistakes, as a bare `&` or `--` in a "
-        "comment, only stop stricter programs: xacro, robot_state_publisher and editors."
+        "Gazebo does not read such a file. A few errors, such as a bare `&` or `--` in a comment, "
+        "only stop stricter programs: xacro, robot_state_publisher and editors."
     ),
     example='<robot name="r">\n  <link name="base_link">\n</robot>',
     instead='<robot name="r">\n  <link name="base_link"/>\n</robot>',
@@ -25,13 +25,12 @@ OVERSIZED_FILE = Rule(
     summary="A URDF or SDF file is too large, or declares entities.",
     why=(
         "`wsgen` reads every file within bounded time and memory. The largest public URDF has 4 % "
-        "of the limit, so a larger file is nearly always a mistake; Gazebo's parser knows no "
+        "of the limit: a larger file is nearly always a mistake. Gazebo's parser does not support "
         "entities."
     ),
     example='<!DOCTYPE robot [<!ENTITY radius "0.1">]>',
     instead=(
-        'Write the values out, or use `<xacro:property name="radius" value="0.1"/>` in a xacro '
-        "file."
+        'Write the values, or use `<xacro:property name="radius" value="0.1"/>` in a xacro file.'
     ),
 )
 
@@ -39,11 +38,11 @@ NO_LINK = Rule(
     code="ROB005",
     name="no-link",
     severity=Severity.ERROR,
-    severity_varies="information of `wsgen check` in a file for Webots",
-    summary="A robot or a model that can move has no link.",
+    severity_varies="information from `wsgen check` in a file for Webots",
+    summary="A robot or a movable model has no link.",
     why=(
-        "Gazebo refuses a robot without links, and physics has nothing to move. A link called "
-        "`world` in a URDF does not count: it only fixes the robot to the world."
+        "Gazebo refuses a robot without links. A link `world` in a URDF does not count: it only "
+        "fixes the robot to the world."
     ),
     example='<robot name="r"/>',
     instead='<robot name="r">\n  <link name="base_link"/>\n</robot>',
@@ -56,7 +55,7 @@ UNNAMED_ELEMENT = Rule(
     summary="A link, joint, material, model or shape has no name.",
     why=(
         "Joints, transforms and plugins refer to parts by name. Gazebo's parser refuses a part "
-        "without a name, or leaves out what follows it."
+        "without a name, or drops the elements that follow it."
     ),
     example="<link/>",
     instead='<link name="base_link"/>',
@@ -67,7 +66,7 @@ SELF_JOINT = Rule(
     name="self-joint",
     severity=Severity.ERROR,
     summary="A joint connects a link to itself.",
-    why="A link cannot move against itself. Gazebo refuses the robot.",
+    why="Gazebo refuses the robot: parent and child must be different links.",
     example=(
         '<joint name="arm_joint" type="fixed">\n'
         '  <parent link="arm"/>\n'
@@ -86,11 +85,11 @@ UNKNOWN_LINK = Rule(
     code="ROB013",
     name="unknown-link",
     severity=Severity.ERROR,
-    severity_varies="information of `wsgen check` in a part that no file includes",
+    severity_varies="information from `wsgen check` in a xacro file that no other file includes",
     summary="A joint names a link that does not exist.",
     why=(
-        "Gazebo refuses the robot. The name is usually misspelled, or lacks the prefix that a "
-        "xacro macro puts before it."
+        "Gazebo refuses the robot. Usually the name is misspelled, or lacks the prefix of a xacro "
+        "macro."
     ),
     example=(
         '<link name="base_link"/>\n'
@@ -130,12 +129,12 @@ NOT_A_NUMBER = Rule(
     severity_varies="a warning in the color of a URDF, which Gazebo ignores",
     summary="A number is missing or is not a number.",
     what=(
-        "Numbers must be finite, have a decimal point, be separated by blanks, and be as many "
-        "as the attribute or element takes."
+        "Numbers must be finite, have a decimal point, be separated by blanks, and have the count "
+        "that the attribute or element requires."
     ),
     why=(
-        "Gazebo refuses the robot or leaves out the element. Other programs silently read 0, "
-        "so that the same file gives different robots."
+        "Gazebo refuses the robot or ignores the element. Other programs silently read 0, so that "
+        "the same file gives different robots."
     ),
     example='<origin xyz="0,1 0 0"/>',
     instead='<origin xyz="0.1 0 0"/>',
@@ -146,7 +145,7 @@ ZERO_AXIS = Rule(
     name="zero-axis",
     severity=Severity.ERROR,
     summary="The axis of a joint has length 0.",
-    why="The joint has no direction to move in. Gazebo refuses the robot.",
+    why="Gazebo refuses the robot: the joint has no direction of motion.",
     example='<axis xyz="0 0 0"/>',
     instead='<axis xyz="0 0 1"/>',
 )
@@ -156,7 +155,7 @@ NEGATIVE_MASS = Rule(
     name="negative-mass",
     severity=Severity.ERROR,
     summary="A mass is negative.",
-    why="No body has a negative mass: Gazebo drops the link or refuses the robot.",
+    why="Gazebo drops the link or refuses the robot.",
     example='<mass value="-1"/>',
     instead='<mass value="1"/>',
 )
@@ -166,7 +165,7 @@ SWAPPED_LIMITS = Rule(
     name="swapped-limits",
     severity=Severity.WARNING,
     summary="The lower limit of a joint is above the upper limit.",
-    why="Gazebo and wsgen swap such limits; other programs take the joint for one without limits.",
+    why="Gazebo and wsgen swap such limits; other programs treat the joint as one without limits.",
     example='<limit lower="1" upper="-1" effort="10" velocity="1"/>',
     instead='<limit lower="-1" upper="1" effort="10" velocity="1"/>',
 )
@@ -175,11 +174,11 @@ NO_SHAPE = Rule(
     code="ROB024",
     name="no-shape",
     severity=Severity.ERROR,
-    severity_varies="a warning in SDF, where Gazebo leaves the shape out",
-    summary="A `<geometry>` has no known shape.",
+    severity_varies="a warning in SDF, where Gazebo ignores the shape",
+    summary="A `<geometry>` does not have a known shape.",
     why=(
-        "Gazebo's URDF parser stops reading the link there and silently leaves out everything "
-        "behind it."
+        "Gazebo's URDF parser stops reading the link there and silently drops its remaining "
+        "elements."
     ),
     example='<geometry>\n  <cube size="1 1 1"/>\n</geometry>',
     instead='<geometry>\n  <box size="1 1 1"/>\n</geometry>',
@@ -190,22 +189,21 @@ ZERO_SIZE = Rule(
     name="zero-size",
     severity=Severity.ERROR,
     severity_varies="a warning for a `<visual>` of a URDF, for the `<size>` of a plane, and for a "
-    "flat box, which most builds of Gazebo take",
+    "flat box, which most builds of Gazebo accept",
     summary="A size or scale is not greater than 0.",
     what=(
-        "Looks at lengths, radii and scales of shapes and meshes. A visual mesh may be "
-        "mirrored by a negative scale."
+        "Checks lengths, radii and scales of shapes and meshes. A negative scale may mirror a "
+        "visual mesh."
     ),
     why=(
-        "The physics engine of Gazebo ends the whole program on a collision without extent; a "
-        "visual without extent is not visible."
+        "The physics engine of Gazebo terminates the program on a collision of size 0; a visual of "
+        "size 0 is invisible."
     ),
     example='<cylinder radius="0" length="0.1"/>',
     instead='<cylinder radius="0.05" length="0.1"/>',
 )
 MAKE_IT_THICK = (  # a flat box
-    "Make it 1 mm thick: a Gazebo that is built with assertions, as Debian's is, terminates on a "
-    "flat box."
+    "Make it 1 mm thick: Gazebo builds with assertions, such as Debian's, terminate on a flat box."
 )
 
 ONE_NAME_FOR_LINK_AND_JOINT = Rule(
@@ -226,9 +224,9 @@ UNKNOWN_MIMICKED_JOINT = Rule(
     code="ROB035",
     name="unknown-mimicked-joint",
     severity=Severity.ERROR,
-    severity_varies="a warning in a URDF, where the joint moves on its own",
+    severity_varies="a warning in a URDF, where the joint moves independently",
     summary="A joint mimics a joint that does not exist.",
-    why="Nothing moves the joint: it swings freely instead of following another joint.",
+    why="The joint is not driven: it swings freely instead of following another joint.",
     example=(
         '<joint name="right_finger_joint" type="prismatic">\n  …\n'
         '  <mimic joint="finger_joint"/>\n'
@@ -246,17 +244,17 @@ IMPOSSIBLE_INERTIA = Rule(
     name="impossible-inertia",
     severity=Severity.ERROR,
     severity_varies=(
-        "a warning where Gazebo loads the robot all the same: in Gazebo Classic, or where the "
+        "a warning where Gazebo still loads the robot: in Gazebo Classic, or where the "
         "link of a URDF is lumped into another one, or its inertia is zero"
     ),
-    summary="No body can have the inertia of a link.",
+    summary="The inertia of a link is physically impossible.",
     what=(
         "The principal moments must be positive, and none may be larger than the sum of the "
         "other two."
     ),
     why=(
-        "Gazebo Sim refuses the robot, and physics engines let it spin or explode. Of links that "
-        "are fixed together, only the sum matters."
+        "Gazebo Sim refuses the robot; in physics engines it spins or explodes. For links that are "
+        "fixed together, only the sum matters."
     ),
     example='<inertia ixx="1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>',
     instead='<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>',
@@ -266,12 +264,9 @@ MISSPELLED_ELEMENT = Rule(
     code="ROB038",
     name="misspelled-element",
     severity=Severity.WARNING,
-    severity_varies="an error where Gazebo refuses the robot for what is then missing",
-    summary="The name of an element is nearly that of one that Gazebo reads.",
-    why=(
-        "Gazebo silently ignores elements that it does not know, so that a mass, a shape or a "
-        "limit is missing."
-    ),
+    severity_varies="an error where Gazebo then refuses the robot",
+    summary="The name of an element is misspelled.",
+    why=("Gazebo silently ignores unknown elements: a mass, a shape or a limit is then missing."),
     example=(
         '<inertail>\n  <mass value="1"/>\n'
         '  <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>\n</inertail>'
@@ -288,9 +283,9 @@ RESERVED_NAME = Rule(
     severity=Severity.ERROR,
     summary="A name is reserved by SDF.",
     why=(
-        "SDF reserves `world` and names that begin and end with two underscores, and Gazebo "
-        "refuses robots that use them. A link `world` is allowed as the root of a URDF, which "
-        "is then fixed to the world."
+        "SDF reserves `world` and names that begin and end with two underscores; Gazebo refuses "
+        "robots that use them. A link `world` is allowed as the root of a URDF, which it fixes to "
+        "the world."
     ),
     example='<link name="__base__"/>',
     instead='<link name="base_link"/>',
@@ -300,12 +295,11 @@ NOT_UTF_8 = Rule(
     code="ROB057",
     name="not-utf-8",
     severity=Severity.ERROR,
-    severity_varies="a warning where only single characters are wrong",
+    severity_varies="a warning where only a few characters are wrong",
     summary="A URDF or SDF file is not encoded in UTF-8.",
     why=(
         "Gazebo and robot_state_publisher read UTF-8 only, whatever the XML declaration says. "
-        "Files in UTF-16 or with null bytes are not read at all; in others, letters such as ä "
-        "become wrong."
+        "Files in UTF-16 or with null bytes cannot be read; in others, letters such as ä are wrong."
     ),
     example="A robot.urdf that an editor saved as ISO-8859-1 or UTF-16.",
     instead="iconv -f ISO-8859-1 -t UTF-8 robot.urdf > robot_utf8.urdf",
@@ -315,12 +309,12 @@ MISSING_COLLISION_MESH = Rule(
     code="ROB060",
     name="missing-collision-mesh",
     severity=Severity.ERROR,
-    severity_varies="a warning of `wsgen check` where a model has it, which may be elsewhere; "
-    "information where it is on the network",
+    severity_varies="a warning from `wsgen check` where the mesh belongs to a model, which may be "
+    "elsewhere; information where the mesh is on the network",
     summary="The mesh file of a `<collision>` does not exist.",
     why=(
-        "Without its mesh, the part passes through others: Gazebo prints an error and goes on. "
-        "A file that exists in the source folder also has to be installed."
+        "Without its mesh the link does not collide: Gazebo prints an error and continues. A file "
+        "in the source folder must also be installed."
     ),
     example=(
         "<collision>\n"
@@ -344,8 +338,8 @@ MISSING_VISUAL_MESH = Rule(
     severity=Severity.WARNING,
     summary="The mesh file of a `<visual>` does not exist.",
     why=(
-        "The part is invisible: Gazebo prints an error and goes on. A file that exists in the "
-        "source folder also has to be installed."
+        "The link is invisible: Gazebo prints an error and continues. A file in the source folder "
+        "must also be installed."
     ),
     example=(
         "<visual>\n"
@@ -370,7 +364,7 @@ UNREADABLE_DESCRIPTION = Rule(
     summary="A URDF, xacro or SDF file cannot be read.",
     why=(
         "The file does not exist, is not a regular file, or its permissions do not allow "
-        "reading it. Nothing can be checked or spawned."
+        "reading it. It cannot be checked or spawned."
     ),
     example="chmod 000 robot.urdf\nwsgen validate robot.urdf",
     instead="chmod 644 robot.urdf\nwsgen validate robot.urdf",
@@ -380,12 +374,9 @@ MISSPELLED_ATTRIBUTE = Rule(
     code="ROB077",
     name="misspelled-attribute",
     severity=Severity.WARNING,
-    severity_varies="an error where Gazebo refuses the robot for what is then missing",
-    summary="The name of an attribute is nearly that of one that Gazebo reads.",
-    why=(
-        "Gazebo silently ignores attributes that it does not know, and takes the default value "
-        "instead."
-    ),
+    severity_varies="an error where Gazebo then refuses the robot",
+    summary="The name of an attribute is misspelled.",
+    why=("Gazebo silently ignores unknown attributes, and uses the default value instead."),
     example='<origin xzy="0 0 1"/>',
     instead='<origin xyz="0 0 1"/>',
 )

@@ -354,9 +354,7 @@ def test_a_run_that_ends_before_a_robot_comes(driven: Path, *, has_log: bool) ->
     if has_log:
         (driven / POSE_LOG_FILE).touch()
     (found,) = video.draw_video(driven, driven / "x.gif", lambda _: None, None)
-    assert found.message == (
-        "Cannot record a video: the run ended before the simulator had a robot."
-    )
+    assert found.message == "Cannot record a video: the run ended before a robot was spawned."
     assert found.hint is not None
     assert found.hint.startswith("Have the run go on until")
 

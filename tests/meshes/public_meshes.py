@@ -23,7 +23,7 @@ PACKAGES = (
     *("gym-ignition-models", "rtb-data", "upkie_description"),
 )
 REFUSED = {
-    "168.obj": "infinite, enormous or undefined",  # of PyBullet's random objects
+    "168.obj": "infinite, huge or undefined",  # of PyBullet's random objects
     "link6.stl-old.stl": "Macintosh",  # of a Puma 560
 }
 LARGEST = 2_000_000  # bytes, of a mesh of the sample

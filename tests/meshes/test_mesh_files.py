@@ -130,7 +130,7 @@ def test_a_pointer_of_git_lfs_says_how_to_get_the_file(
     _, found = inspect_meshes(robot(*meshes), file=ROBOT_FILE, folder=tmp_path, run=run)
     assert [one.code for one in found] == ["ROB062"] * 3
     for one in found:
-        assert "is a pointer of Git LFS" in one.message
+        assert "is a Git LFS pointer" in one.message
         assert "git lfs pull" in (one.hint or "")
 
 
@@ -290,7 +290,7 @@ def test_a_reader_that_does_not_start_blames_no_mesh(tmp_path: Path) -> None:
         folder=tmp_path,
         run=lambda *_, **__: Died(reason="crashed (SIGSEGV)", step="", output=""),
     )
-    assert "was not read, as the reader crashed" in found[0].message
+    assert "was not read, because the reader crashed" in found[0].message
 
 
 @pytest.mark.slow

@@ -206,15 +206,15 @@ def test_broken_files(tmp_path: Path, name: str) -> None:
 @pytest.mark.parametrize(
     ("name", "content", "words"),
     [
-        ("behind.stl", mesh_samples.binary_stl(behind=b"more"), "4 bytes behind"),
+        ("behind.stl", mesh_samples.binary_stl(behind=b"more"), "has 4 more bytes"),
         ("few.stl", mesh_samples.binary_stl(claimed=11), "11 triangles"),
         ("no_asset.dae", mesh_samples.dae().replace("<asset></asset>", ""), "no <asset>"),
         (
             "million.dae",
             mesh_samples.dae().replace('count="24"', 'count="1000000"'),
-            'says count="1000000" in a <float_array>, but has 24',
+            'has count="1000000" in a <float_array>, but 24 values',
         ),
-        ("few.dae", mesh_samples.dae().replace('s count="12"', 's count="9"'), "has 12 there"),
+        ("few.dae", mesh_samples.dae().replace('s count="12"', 's count="9"'), "but 12 values"),
     ],
 )
 def test_what_only_pybullet_minds_is_written_anew(

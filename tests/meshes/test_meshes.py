@@ -61,9 +61,17 @@ def test_found(share: Path, uri: str) -> None:
     ("uri", "words", "hint"),
     [
         ("package://arm/meshes/part two.STL", "does not exist", "installs it"),
-        ("package://arm/meshes/part one.stl", "/part one.STL` does", "same capitals"),
-        ("package://arm/Meshes/PART one.stl", "/meshes/part one.STL` does", "same capitals"),
-        ("file://{share}/meshes/Part%20one.STL", "/part one.STL` does", "same capitals"),
+        ("package://arm/meshes/part one.stl", "/part one.STL` does", "same upper and lower case"),
+        (
+            "package://arm/Meshes/PART one.stl",
+            "/meshes/part one.STL` does",
+            "same upper and lower case",
+        ),
+        (
+            "file://{share}/meshes/Part%20one.STL",
+            "/part one.STL` does",
+            "same upper and lower case",
+        ),
         ("package://arm/meshes", "is a folder", "Name a mesh file"),
         ("package://arm", "is a folder", "Name a mesh file"),
         ("package://arm/meshes/pipe.stl", "is a named pipe", "Name a mesh file"),
@@ -162,8 +170,8 @@ def test_a_folder_that_is_not_there_is_reported_once(share: Path) -> None:
     collisions = [one for one in found if one.code == "ROB060"]
     assert [one.line for one in collisions] == [0, 7, 8, 9]
     assert collisions[0].message == (
-        f"The folder {share}/mesches does not exist, and 5 collision meshes of the robot are in "
-        f"it: `{uris[0]}`, `{uris[1]}`, `{uris[2]}` and 2 more."
+        f"The folder {share}/mesches of 5 collision meshes of the robot does not exist: "
+        f"`{uris[0]}`, `{uris[1]}`, `{uris[2]}` and 2 more."
     )
     assert "git" in (collisions[0].hint or "")
     assert "The folder" not in "".join(one.message for one in collisions[1:])

@@ -68,5 +68,5 @@ def test_what_gazebo_does_not_read(text: str, line: int, words: str) -> None:
 
 
 def test_the_line_ends_of_old_macintoshes() -> None:
-    with pytest.raises(BrokenMeshError, match="old Macintoshes"):
+    with pytest.raises(BrokenMeshError, match="old Macintosh"):
         read_stl(TWO.replace("\n", "\r").encode())

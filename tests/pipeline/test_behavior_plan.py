@@ -137,7 +137,7 @@ def test_nodes_of_a_package_that_is_not_built_are_left_out(
     found = [one for one in package.diagnostics if one.code == "SPN102"]
     assert [one.severity.value for one in found] == ["warning"] * len(found)
     assert "cannot be started: it is not built" in found[0].message
-    assert found[0].hint == "Run `wsgen build`; then the launch file is run."
+    assert found[0].hint == "Run `wsgen build`; then wsgen runs the launch file."
     assert package.passed
 
 

@@ -259,7 +259,7 @@ def test_packages_that_colcon_ignores_are_named(tmp_path: Path, marker: str, pla
     with pytest.raises(NotFoundError, match=rf"old/demo, because .*{marker} exists") as found:
         check(CheckRequest(paths=(tmp_path,)), environment={})
     assert (
-        found.value.hint == f"Remove {tmp_path / place / marker}, or name the package: wsgen "
+        found.value.hint == f"Remove {tmp_path / place / marker}, or give the package: wsgen "
         f"check {package}"
     )
 
@@ -271,7 +271,7 @@ def test_what_colcon_has_made_is_not_what_it_ignores(tmp_path: Path, mark: str) 
     (place / "demo" / "share").mkdir(parents=True)
     for file in (tmp_path / mark, place / "COLCON_IGNORE", place / "demo" / "share/package.xml"):
         file.touch()
-    with pytest.raises(NotFoundError, match="has no ROS package") as found:
+    with pytest.raises(NotFoundError, match="does not contain a ROS package") as found:
         check(CheckRequest(paths=(tmp_path,)), environment={})
     assert "ignores" not in f"{found.value.message}{found.value.hint}"
 
@@ -279,7 +279,7 @@ def test_what_colcon_has_made_is_not_what_it_ignores(tmp_path: Path, mark: str) 
 def test_what_does_not_exist(tmp_path: Path) -> None:
     with pytest.raises(NotFoundError, match="does not exist"):
         run(tmp_path / "nothing")
-    with pytest.raises(NotFoundError, match="no ROS package"):
+    with pytest.raises(NotFoundError, match="not contain a ROS package"):
         run(tmp_path)
 
 

@@ -112,9 +112,9 @@ def test_changes_since_a_commit(tmp_path: Path) -> None:
         folders={"p": package},
     )
     assert filter_outcome(outcome, Filters(changed_since="HEAD")).diagnostics == found
-    with pytest.raises(RequestError, match="no commit"):
+    with pytest.raises(RequestError, match="not have the commit"):
         changed_since("nowhere", package)
-    with pytest.raises(RequestError, match="no commit"):
+    with pytest.raises(RequestError, match="not have the commit"):
         changed_since("--output=x", package)
 
 
@@ -122,7 +122,7 @@ def test_changes_since_a_commit(tmp_path: Path) -> None:
 def test_a_folder_without_a_repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path))
     (tmp_path / "p").mkdir()
-    with pytest.raises(RequestError, match="no git repository"):
+    with pytest.raises(RequestError, match="not in a git repository"):
         changed_since("HEAD", tmp_path / "p")
 
 

@@ -141,11 +141,11 @@ def test_a_planar_joint_is_fixed_and_a_floating_one_is_left_out() -> None:
         ("", "well-formed"),
         ("<robot", "well-formed"),
         ("<model/>", "<robot>"),
-        ('<robot name="r"/>', "no link"),
+        ('<robot name="r"/>', "not have a link"),
         ('<robot><link name="a"/></robot>', "no name"),
         ('<robot name="r"><link name="a"/><link name="b"/></robot>', "line 1"),
         ('<robot name="r"><link name="a"/><link name="a"/></robot>', "Two links"),
-        (ROBOT.replace(LIMIT, ""), "needs <limit>"),
+        (ROBOT.replace(LIMIT, ""), "must have a <limit>"),
         (ROBOT.replace("0.1 -0.2 0.3", "0.1 -0.2 three"), "three"),
     ],
 )

@@ -87,7 +87,7 @@ def test_what_did_not_run_is_named() -> None:
     left_out = {"amcl of nav2_amcl": "it is not compiled"}
     (found,) = check_live(behavior, LaunchTask(travels=2.0), measured(left_out=left_out), FILE)
     assert found.hint is not None
-    assert found.hint.endswith(" Left out of the run: amcl of nav2_amcl (it is not compiled).")
+    assert found.hint.endswith(" Skipped in the run: amcl of nav2_amcl (it is not compiled).")
     assert not check_live(behavior, LaunchTask(), measured(left_out=left_out), FILE)
     many = {f"n{number}": "why" for number in range(7)}
     (found,) = check_live(behavior, LaunchTask(travels=2.0), measured(left_out=many), FILE)
@@ -98,4 +98,4 @@ def test_one_that_is_left_out_is_no_error() -> None:
     behavior = Behavior(name="wanders", task=LaunchTask(), seconds=4.0, line=3)
     (found,) = launch_not_run(behavior, "No ROS is there.", "Install it.", FILE, Severity.WARNING)
     assert (found.code, found.severity) == ("SPN102", Severity.WARNING)
-    assert found.message == "`wanders` is left out: no ROS is there."
+    assert found.message == "`wanders` is skipped: no ROS is there."

@@ -96,7 +96,7 @@ def test_the_encoder_of_videos() -> None:
 
     (found,) = run_simulation(SCENE, run=run).diagnostics
     assert found.code == "SPN070"
-    assert found.message.endswith("this takes libGL.so.1, which the system lacks.")
+    assert found.message.endswith("libGL.so.1 is not installed on this system.")
     assert found.hint == "sudo apt install libgl1; or record a .gif."
 
 

@@ -180,7 +180,7 @@ def test_more_triangles_than_an_engine_can_load_are_not_given_to_it() -> None:
     (found,) = outcome.diagnostics
     assert (found.code, outcome.robot_runs) == ("SPN110", ())
     assert "6,200,100 triangles" in found.message
-    assert "`tree.stl` has 124,002 and is there 50 times" in found.message
+    assert "`tree.stl` has 124,002 and is used 50 times" in found.message
 
 
 def _not_called(*_: Any, **__: Any) -> Answered | Died:

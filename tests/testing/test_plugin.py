@@ -307,7 +307,10 @@ def test_each_test_has_files_of_its_own(
 def test_a_test_in_no_package_is_told_to_name_one(run_pytest: Pytest, tmp_path: Path) -> None:
     (tmp_path / "test_alone.py").write_text("def test_alone(robot): ...\n")
     run = run_pytest("test_alone.py")
-    words = "is not in a package: no package.xml is above it.\nName the package: pytest --wsgen-"
+    words = (
+        "is not in a package: its parent folders do not contain a package.xml.\n"
+        "Give the package: pytest --wsgen-"
+    )
     assert words in run.stdout
     run = run_pytest("test_alone.py", "--wsgen-package=rover", AMENT_PREFIX_PATH="")
     assert "wsgen: Package rover does not exist.\nGo to the workspace of the package" in run.stdout

@@ -84,7 +84,7 @@ def model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     [
         # an expression that is a part of another word, and stands in a comment too
         ('solid mass="${mass}"', 'solid mass="${mas}"', 17, "'mas' is not", "mean `mass`?"),
-        ('value="0.5"', 'value="${length}"', 6, "length -> length", "another name"),
+        ('value="0.5"', 'value="${length}"', 6, "length -> length", "Rename one of them"),
         ('1 ${length}"', '1 ${length"', 16, "`${length` does not end", "`}`"),
         ("$(find my_robot)", "$(find my_robto)", 7, "'my_robto'", "mean `my_robot`?"),
         ("<xacro:solid m", "<xacro:solidd m", 17, "xacro:solidd", "mean `solid`?"),
@@ -135,7 +135,7 @@ def model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ),
         ('"length" value', '"length" vlaue', 6, "no attribute `vlaue`", "mean `value`?"),
         ("<xacro:property name", "<property name", 17, "'mass' is not", "<xacro:property>"),
-        ("$(find", "$(fnd", 7, "has no command `fnd`", "mean `find`?"),
+        ("$(find", "$(fnd", 7, "does not know the command `fnd`", "mean `find`?"),
     ],
 )
 def test_the_line_and_the_hint(  # noqa: PLR0917  cases

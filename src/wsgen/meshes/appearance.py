@@ -30,7 +30,7 @@ PIXEL_LIMIT = 8192 * 8192  # 200 MB when it is unpacked
 DEEP_MODES = ("I", "F")  # the beginnings of names of modes with more than 8 bits
 FORMATS = ("BMP", "DDS", "GIF", "JPEG", "PNG", "PPM", "TGA", "TIFF", "WEBP")
 CONVERT = "Convert it to a PNG of at most 2048 pixels."
-REPLACE = "Replace it with an image file that you are allowed to read."
+REPLACE = "Replace it by an image file that is readable."
 
 
 class Texture(NamedTuple):
@@ -96,7 +96,7 @@ def _missing(address: str) -> MaterialProblem:
     return MaterialProblem(
         MISSING_TEXTURE,
         f"has a texture that does not exist: `{address[:200]}`",
-        "Put the image next to the mesh or into ../materials/textures, where Gazebo looks for it, "
+        "Copy the image next to the mesh or to ../materials/textures, where Gazebo looks for it, "
         "and install it in CMakeLists.txt.",
     )
 

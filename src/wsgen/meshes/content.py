@@ -50,8 +50,8 @@ def refuse_lfs_pointer(data: bytes) -> None:
     """Raise BrokenMeshError for what stands in a repository for a file that git has elsewhere."""
     if data.startswith(LFS_POINTER):
         raise BrokenMeshError(
-            "is a pointer of Git LFS, which stands for the file",
-            hint="Download the file: git lfs install, then git lfs pull.",
+            "is a Git LFS pointer instead of the file",
+            hint="Download the file: run `git lfs install`, then `git lfs pull`.",
         )
 
 
@@ -66,10 +66,10 @@ def check_part(part: str, parts: Iterable[str]) -> None:
     some = ", ".join(f"`{name}`" for name in named[:MOST_PARTS])
     more = f" and {len(named) - MOST_PARTS} more" if len(named) > MOST_PARTS else ""
     raise BrokenMeshError(
-        f"has no part with the name `{part}`, which <submesh> gives: Gazebo leaves it out",
+        f"has no part `{part}`, which <submesh> names: Gazebo does not create it",
         hint=f"Write the name of one of its parts: {some}{more}."
         if some
-        else "Remove <submesh>: the file has no parts with names.",
+        else "Remove <submesh>: the parts of the file have no names.",
     )
 
 

@@ -62,8 +62,8 @@ class Ids:
         found = self._elements.get((url or "").removeprefix("#"))
         if found is None:
             raise BrokenMeshError(
-                f"refers to {what} `{url or ''}` that it does not define: "
-                "Gazebo crashes on it or leaves it out"
+                f"refers to {what} `{url or ''}` that it does not define: Gazebo crashes or does "
+                "not load it"
             )
         return found
 
@@ -236,7 +236,7 @@ class _Reader:
         claimed = whole_number(element, "count", actual)
         if claimed != actual:
             name = element.tag.rpartition("}")[2]
-            self.inconsistency = f'says count="{claimed}" in a <{name}>, but has {actual} there'
+            self.inconsistency = f'has count="{claimed}" in a <{name}>, but {actual} values'
 
 
 def _rows(source: Element, width: int) -> NDArray[np.float64]:
@@ -454,7 +454,7 @@ class _Scene:
         if not parts:
             raise BrokenMeshError(
                 "has a scene without geometry",
-                hint="Select the objects to export, and export it again.",
+                hint="Select the objects in the CAD or 3D program, and export the file again.",
             )
         for geometry in self.geometries.values():
             self.is_plain &= geometry.is_plain
@@ -495,7 +495,7 @@ class _Scene:
         if unread:
             raise BrokenMeshError(
                 f"has only <{'>, <'.join(sorted(unread))}>, which Gazebo does not read",
-                hint="Triangulate the faces in the export.",
+                hint="Triangulate the faces when you export the file.",
             )
 
     def _unit(self) -> float:

@@ -36,7 +36,7 @@ BROKEN_COLLISION_MESH = Rule(
         "has no triangle, or takes too long to read."
     ),
     why=(
-        "Gazebo crashes on some of these files and leaves out others, and then the part passes "
+        "Gazebo crashes on some of these files and does not load others: the link then passes "
         "through the ground."
     ),
     example="An STL file whose header says 1000 triangles, and which ends after 900.",
@@ -48,8 +48,8 @@ BROKEN_VISUAL_MESH = Rule(
     name="broken-visual-mesh",
     severity=Severity.WARNING,
     summary="The mesh file of a `<visual>` cannot be used.",
-    what="As `broken-collision-mesh`, for what is drawn; the simulation leaves the visual out.",
-    why="Gazebo crashes on some of these files and leaves out others: the part is invisible.",
+    what="As `broken-collision-mesh`, for visuals; the simulation drops the visual.",
+    why="Gazebo crashes on some of these files and does not load others: the link is invisible.",
     example="An OBJ file with 8 vertices, and a face `f 1 2 9`.",
     instead="The same mesh, exported again as COLLADA or OBJ.",
 )
@@ -59,7 +59,7 @@ HEAVY_MESH = Rule(
     name="heavy-mesh",
     severity=Severity.WARNING,
     summary="A mesh has more than 200,000 triangles.",
-    why="Gazebo and the engines need a second or more to load each such mesh, at every start.",
+    why="Gazebo and the engines need a second or more to load each such mesh at every start.",
     example="A CAD export of 800,000 triangles as the <collision> of a link.",
     instead="A mesh of some thousand triangles, or a few <box> and <cylinder> elements.",
 )
@@ -68,8 +68,8 @@ ENORMOUS_MESH = Rule(
     code="ROB065",
     name="enormous-mesh",
     severity=Severity.ERROR,
-    severity_varies="a warning for a `<visual>`, which the simulation leaves out",
-    summary="A mesh has more than a million triangles, or its file more than 100 MB.",
+    severity_varies="a warning for a `<visual>`, which the simulation drops",
+    summary="A mesh has more than a million triangles, or its file has more than 100 MB.",
     why="A physics engine needs 10 s or more to load it, at every start.",
     example="A 3D scan of 5,000,000 triangles.",
     instead="The scan, reduced to some thousand triangles.",
@@ -80,10 +80,10 @@ IMPLAUSIBLE_MESH_SIZE = Rule(
     name="implausible-mesh-size",
     severity=Severity.WARNING,
     summary="A mesh of a robot is larger than 100 m or smaller than 0.1 mm.",
-    what="Measures the longest edge of the box around the mesh, scaled as its element says.",
+    what="Measures the longest edge of the bounding box of the mesh, with its `scale`.",
     why=(
-        "STL and OBJ files have no unit: Gazebo takes their numbers for meters. CAD programs "
-        "export millimeters, and the part is then a thousand times as large."
+        "STL and OBJ files have no unit: Gazebo reads their numbers as meters. CAD programs export "
+        "millimeters, which makes the part 1000 times too large."
     ),
     example='<mesh filename="package://my_robot/meshes/arm_in_mm.stl"/>',
     instead='<mesh filename="package://my_robot/meshes/arm_in_mm.stl" scale="0.001 0.001 0.001"/>',
@@ -93,8 +93,8 @@ INCONSISTENT_MESH = Rule(
     code="ROB067",
     name="inconsistent-mesh",
     severity=Severity.WARNING,
-    summary="A mesh file contradicts itself, and Gazebo reads it nevertheless.",
-    what="Compares the counts that STL and COLLADA files give with what they hold.",
+    summary="A mesh file contradicts itself, but Gazebo reads it.",
+    what="Compares the counts in STL and COLLADA files with their contents.",
     why="Other programs refuse the file or crash: PyBullet, RViz, CAD programs.",
     example='<float_array count="24">0 0 0 1 0 0 0 1 0</float_array>',
     instead='<float_array count="9">0 0 0 1 0 0 0 1 0</float_array>',
@@ -104,9 +104,9 @@ MESH_FORMAT_NOT_READ_BY_ALL = Rule(
     code="ROB068",
     name="mesh-format-not-read-by-all",
     severity=Severity.WARNING,
-    summary="Not every Gazebo reads the format of a mesh.",
+    summary="Some versions of Gazebo do not read the format of a mesh.",
     why=(
-        "Gazebo Classic and Fortress read neither glTF nor GLB, and no Gazebo reads PLY: the part "
+        "Gazebo Classic and Fortress do not read glTF and GLB, and no version reads PLY: the part "
         "is missing there."
     ),
     example='<mesh filename="package://my_robot/meshes/arm.glb"/>',
@@ -175,12 +175,12 @@ def check_use(
             file,
             HEAVY_MESH,
             f"has {answer.triangles:,} triangles and is slow to load",
-            "Reduce it; for a <collision>, a few boxes or cylinders are best.",
+            "Reduce its triangles; for a <collision>, use a few boxes or cylinders.",
         )
     lacking = RECENT_FORMATS.get(Path(use.path).suffix.lower())
     if lacking is not None:
         hint = "Convert it to STL, OBJ or COLLADA, which every Gazebo reads."
-        problem = f"has a format that is not read everywhere: {lacking}"
+        problem = f"has a format with limited support: {lacking}"
         yield _report(use, file, MESH_FORMAT_NOT_READ_BY_ALL, problem, hint)
     yield from _check_extent(use, answer, file)
     for found in answer.material_problems if use.is_visual else ():
@@ -197,7 +197,7 @@ def _check_extent(use: MeshUse, answer: InspectedMesh, file: Path | None) -> Ite
 
 
 def _size_word(extent: float) -> str:
-    return "large: its unit is probably not the meter" if extent > LARGEST else "small"
+    return "large: it is probably not in meters" if extent > LARGEST else "small"
 
 
 def _units_hint(use: MeshUse, extent: float) -> str:
@@ -324,12 +324,15 @@ def _ask(requests: Sequence[MeshRequest], folder: Path, run: Run) -> Answers:
             asked = [(request.path, request.part) for request in waiting]
             return {**answers, **dict(zip(asked, decoded, strict=True))}
         if not outcome.step.isdecimal():  # it died before it came to the first
-            problem = f"was not read, as the reader {outcome.reason}"
+            problem = f"was not read, because the reader {outcome.reason}"
             return {**answers, **_refused(waiting, problem, outcome.hint(HINT))}
         culprit = waiting.pop(int(outcome.step))
         problem = f"cannot be read: the reader {outcome.reason}"
         answers |= _refused([culprit], problem, outcome.hint(HINT))
-    return {**answers, **_refused(waiting, f"was not read, as the reader died of {DEATHS} others")}
+    return {
+        **answers,
+        **_refused(waiting, f"was not read, because {DEATHS} other meshes crashed the reader"),
+    }
 
 
 def read_surfaces(paths: Iterable[str], *, folder: Path, run: Run = parent.run) -> dict[str, str]:

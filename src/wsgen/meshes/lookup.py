@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 FORMATS = (".stl", ".obj", ".dae", ".glb", ".gltf", ".ply")  # see `wsgen.meshes.worker`
 ON_WINDOWS = lazy_pattern(r"[A-Za-z]:[\\/]")
-IN_PACKAGE = "Put the mesh into the package, and write package://PACKAGE/meshes/…"
+IN_PACKAGE = "Copy the mesh into the package, and write package://PACKAGE/meshes/…"
 MANY = 3  # meshes in a folder that does not exist are reported with it
 MACHINE_PARTS = 3  # of /home/somebody/…: if it does not exist, the path is of another machine
 
@@ -59,9 +59,7 @@ def locate(uri: str, share_of: ShareOf, folder: Path | None) -> Path | Missing:
             is_beside = beside is not None and os.path.lexists(beside)
             found = _among_resources(path, share_of) if separator and not is_beside else beside
             if found is None and beside is None:
-                return Missing(
-                    "has a relative path, and it is not known to which folder", IN_PACKAGE
-                )
+                return Missing("has a relative path, but its base folder is not known", IN_PACKAGE)
             path = found or beside or path
     else:
         package, _, inside = rest.partition("/")
@@ -105,14 +103,14 @@ def _unreadable(uri: str) -> Missing | None:
         )
     if scheme in {"http", "https"} and separator:
         return Missing(
-            "is a network address; wsgen loads files only",
+            "is a network address; wsgen only loads files",
             f"Download it. {IN_PACKAGE}",
         )
     if separator and scheme not in {"file", "package", "model"}:
         return Missing(f"has an unknown scheme (`{scheme}://`)", IN_PACKAGE)
     if scheme in {"package", "model"} and separator and not rest.partition("/")[0]:
         return Missing(
-            f"does not name a {scheme}: its name follows the two slashes",
+            f"does not name a {scheme} after the two slashes",
             f"Write {scheme}://PACKAGE/{rest.lstrip('/') or 'meshes/…'}.",
         )
     return None
@@ -126,17 +124,17 @@ def _explain(uri: str, path: Path) -> Missing:
         return Missing("has a Windows path", IN_PACKAGE)
     if "\\" in uri:
         hint = f"Use slashes: {uri.replace(chr(92), '/')}"
-        return Missing("contains backslashes, which do not separate folders here", hint)
+        return Missing("contains backslashes, which are not separators on Linux", hint)
     if os.path.lexists(path):
-        kind = irregular_kind(path) or "a file that you are not allowed to read"
+        kind = irregular_kind(path) or "a file without read permission"
         return Missing(f"is {kind} ({path})", "Name a mesh file.")
     if there is not None:
         return Missing(
             f"does not exist ({path}), but `{there}` does",
-            "Write its name with the same capitals: upper and lower case differ.",
+            "Write its name with the same upper and lower case.",
         )
     if Path(uri.removeprefix("file://")).is_absolute() and not home.exists():
-        return Missing(f"has a path of another machine ({path})", IN_PACKAGE)
+        return Missing(f"has an absolute path of another machine ({path})", IN_PACKAGE)
     own = address_in_package(path.name, path.parent)
     near = None if own else _misspelled(path)
     return Missing(
@@ -145,7 +143,8 @@ def _explain(uri: str, path: Path) -> Missing:
         if own
         else did_you_mean(near)
         if near
-        else "Check its spelling, including capitals, and that CMakeLists.txt installs it.",
+        else "Check its spelling, including upper and lower case, and that CMakeLists.txt installs "
+        "it.",
         None if own else _missing_folder(path),
     )
 
@@ -275,10 +274,10 @@ class _Search:
             more = f" and {len(meshes) - MANY} more" if len(meshes) > MANY else ""
             yield replace(
                 first,
-                message=f"The folder {folder} does not exist, and {len(meshes)} {kind} meshes of "
-                f"the robot are in it: {named}{more}.",
-                hint="Put the folder into the package, and see that git keeps it and that "
-                "CMakeLists.txt installs it; or correct its name in the addresses of the meshes.",
+                message=f"The folder {folder} of {len(meshes)} {kind} meshes of the robot does not "
+                f"exist: {named}{more}.",
+                hint="Add the folder to the package, and check that it is committed to git and "
+                "installed by CMakeLists.txt; or correct its name in the paths of the meshes.",
             )
 
     def located(self, geometry: Geometry, link: Link, *, is_visual: bool) -> Geometry:

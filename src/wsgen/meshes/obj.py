@@ -101,8 +101,8 @@ def read_materials(
         problems.append(
             MaterialProblem(
                 MISSING_MATERIAL_LIBRARY,
-                f"has no colors, as its material library `{name}` {read[0][1]}",
-                "Put the .mtl file next to the .obj, and install it in CMakeLists.txt.",
+                f"has no colors, because its material library `{name}` {read[0][1]}",
+                "Copy the .mtl file next to the .obj file, and install it in CMakeLists.txt.",
             )
         )
     return materials, tuple(problems)

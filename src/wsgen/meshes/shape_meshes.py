@@ -30,7 +30,7 @@ UNUSABLE_HEIGHTMAP = Rule(
     severity_varies="a warning in a `<visual>`",
     summary="The image of a heightmap is damaged, not square or too large.",
     what="Opens the PNG or JPEG file of every heightmap in a separate process.",
-    why="Gazebo ends with an error on an image that is not square, and has no ground without one.",
+    why="Gazebo exits with an error if the image is not square, and has no terrain without one.",
     example="<heightmap><uri>model://hill/640_by_480.png</uri></heightmap>",
     instead="<heightmap><uri>model://hill/513_by_513.png</uri></heightmap>",
 )
@@ -40,8 +40,8 @@ REDUCED_HEIGHTMAP = Rule(
     name="reduced-heightmap",
     severity=Severity.INFO,
     summary="The simulation uses fewer pixels of a heightmap than its image has.",
-    what="The simulation takes at most 513 by 513 heights, where Gazebo takes all.",
-    why="Bumps that are finer than that are missing in the simulation, and not in Gazebo.",
+    what="The simulation uses at most 513 by 513 heights; Gazebo uses all.",
+    why="Finer bumps are missing in the simulation, but not in Gazebo.",
     example="A heightmap of 2049 by 2049 pixels.",
     instead="A heightmap of at most 513 by 513 pixels.",
 )
@@ -52,8 +52,8 @@ HEIGHTMAP_NOT_DRAWN = Rule(
     severity=Severity.WARNING,
     summary="The image of a heightmap in a `<visual>` does not have 2ⁿ + 1 pixels on each side.",
     why=(
-        "The terrain renderer of Gazebo takes 2ⁿ + 1 pixels on each side: Gazebo Sim does not "
-        "draw another image, and Gazebo Classic ends with an error."
+        "The terrain renderer of Gazebo needs 2ⁿ + 1 pixels on each side: Gazebo Sim does not draw "
+        "other images, and Gazebo Classic exits with an error."
     ),
     example="A heightmap of 512 by 512 pixels.",
     instead="The same image, scaled to 513 by 513 pixels.",
@@ -65,8 +65,8 @@ MOVING_HEIGHTMAP = Rule(
     severity=Severity.WARNING,
     summary="A model with a heightmap as a collision is not static.",
     why=(
-        "A heightmap stays where it is in Gazebo's engines, even if its link moves: what is seen "
-        "and what is touched are then at different places."
+        "Gazebo's engines do not move a heightmap with its link: its visual and its collision are "
+        "then at different places."
     ),
     example='<model name="hill">\n  <link name="ground">…<heightmap>…',
     instead='<model name="hill">\n  <static>true</static>\n  <link name="ground">…<heightmap>…',
@@ -76,13 +76,13 @@ IMPOSSIBLE_SHAPE = Rule(
     code="WLD057",
     name="impossible-shape",
     severity=Severity.ERROR,
-    severity_varies="a warning for what cannot be built of a `<visual>`",
-    summary="A polyline does not enclose an area, or no mesh can be made of a shape.",
+    severity_varies="a warning for a `<visual>`",
+    summary="A polyline does not enclose an area, or a shape cannot be converted to a mesh.",
     what=(
-        "Makes meshes of polylines, ellipsoids and cones. An outline needs three points or more, "
-        "and must neither cross nor touch itself or another one."
+        "Converts polylines, ellipsoids and cones to meshes. An outline must have three points or "
+        "more, and must not cross or touch itself or another one."
     ),
-    why="Gazebo does not create such a shape: the part is invisible, and others pass through it.",
+    why="Gazebo does not create such a shape: the link is invisible, and objects pass through it.",
     example=(
         "<polyline>\n  <point>0 0</point>\n  <point>1 1</point>\n  <point>1 0</point>\n"
         "  <point>0 1</point>\n</polyline>"
@@ -139,7 +139,7 @@ def check_use(
             file,
             REDUCED_HEIGHTMAP,
             f"has {pixels} × {pixels} pixels; the simulation uses {rows} × {rows} of them",
-            "Reduce the image if that is fine enough for the robot's wheels.",
+            "Reduce the image, if that resolution is enough for the wheels of the robot.",
         )
     if use.is_visual and not _is_power_of_two(pixels - 1):
         yield _report(
@@ -147,7 +147,7 @@ def check_use(
             file,
             HEIGHTMAP_NOT_DRAWN,
             f"has {pixels} × {pixels} pixels: Gazebo draws only images of 2ⁿ + 1 pixels on each "
-            "side, and Gazebo Classic ends with an error on others",
+            "side, and Gazebo Classic exits with an error on others",
             "Scale the image to 129, 257, 513 or 1025 pixels.",
         )
     if not use.is_visual and not is_static:
@@ -156,7 +156,7 @@ def check_use(
             file,
             MOVING_HEIGHTMAP,
             "is in a model that can move, but Gazebo's engines do not move heightmaps",
-            "Make the model static, and put what moves into another model.",
+            "Make the model static, and move its movable parts to another model.",
         )
 
 
@@ -188,7 +188,7 @@ def _report(  # noqa: PLR0913, PLR0917  the fields of a diagnostic, once
 
 TASK = "wsgen.meshes.shape_worker:build"
 LIMITS = Limits(seconds=30.0, memory=2 * 2**30)  # of all shapes of a robot
-HINT = "Simplify the shape, or make a mesh of it in another program."
+HINT = "Simplify the shape, or convert it to a mesh in another program."
 DEATHS = 3  # after so many shapes that the child dies of, the others are not made
 
 # What is made of a shape; nothing of a heightmap without an image, which the reader reports.
@@ -257,12 +257,17 @@ def _ask(shapes: Sequence[Triangulated], folder: Path, run: Run) -> Mapping[Tria
             made = decode(outcome.value, tuple[BuiltShape | UnbuildableShape, ...])
             return {**answers, **dict(zip(waiting, made, strict=True))}
         if not outcome.step.isdecimal():  # it died before it came to the first
-            problem = f"was not made, as the child {outcome.reason}"
+            problem = f"was not made, because the child process {outcome.reason}"
             return {**answers, **_refused(waiting, problem, outcome.hint(HINT))}
         culprit = waiting.pop(int(outcome.step))
         problem = f"cannot be made: the child process {outcome.reason}"
         answers |= _refused([culprit], problem, outcome.hint(HINT))
-    return {**answers, **_refused(waiting, f"was not made, as the child died of {DEATHS} others")}
+    return {
+        **answers,
+        **_refused(
+            waiting, f"was not made, because {DEATHS} other shapes crashed the child process"
+        ),
+    }
 
 
 def _refused(

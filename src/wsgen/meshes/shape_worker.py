@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from wsgen.model.robot import Cone, Triangulated
 
 
-DRAW_ANEW = "Draw each outline as a simple polygon that touches neither itself nor another."
+DRAW_ANEW = "Write each outline as a simple polygon that does not touch itself or another one."
 
 
 def extrusion_triangles(extrusion: Extrusion) -> NDArray[Any]:
@@ -43,7 +43,7 @@ def extrusion_triangles(extrusion: Extrusion) -> NDArray[Any]:
     for number, ring in enumerate(rings, 1):
         if not ring.is_valid or ring.area == 0:
             raise BrokenMeshError(
-                f"has an outline, number {number}, that encloses no area or crosses itself "
+                f"has an outline (number {number}) that does not enclose an area or crosses itself "
                 f"({shapely.is_valid_reason(ring)})",
                 hint=DRAW_ANEW,
             )
@@ -81,7 +81,7 @@ MOST_PIXELS = 4097  # on a side; Gazebo's rendering has no larger tile either
 MOST_ROWS = 513  # of corners: half a million triangles, for which an engine takes a second
 EIGHT_BITS = 255.0
 SIXTEEN_BITS = 65535.0
-REDUCE = "Scale it down: a simulation needs no more than a pixel for each wheel."
+REDUCE = "Scale it down: one pixel per wheel size is enough for a simulation."
 SAVE_AGAIN = "Save it again as a grayscale PNG, with 2ⁿ + 1 pixels on each side (129, 257, 513, …)."
 
 
@@ -169,8 +169,8 @@ def _load(file: Path) -> NDArray[Any]:
 def _refuse_shape(width: int, height: int) -> None:
     if width != height or width < 2:  # noqa: PLR2004  a surface begins between two rows
         raise BrokenMeshError(
-            f"has {width} × {height} pixels: Gazebo ends with an error on an image "
-            "that is not square or has a single pixel",
+            f"has {width} × {height} pixels: Gazebo exits with an error on an image that is not "
+            "square or has a single pixel",
             hint=SAVE_AGAIN,
         )
     if width > MOST_PIXELS:

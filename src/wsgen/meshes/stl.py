@@ -69,8 +69,8 @@ def read_stl(data: bytes, folder: Path | None = None, part: str | None = None) -
     inconsistency = None
     if size < len(data):
         inconsistency = (
-            f"says that it has {claimed} triangles, but goes on for {len(data) - size} bytes "
-            "behind them: PyBullet leaves it out"
+            f"says that it has {claimed} triangles, but has {len(data) - size} more bytes: "
+            "PyBullet does not load it"
         )
     is_plain = inconsistency is None
     corners = triangles["corners"]
@@ -104,7 +104,7 @@ def _is_text(data: bytes) -> bool:
 def _read_text(data: bytes) -> NDArray[np.float64]:
     if b"\n" not in data and b"\r" in data:
         raise BrokenMeshError(
-            "is a text with the line ends of old Macintoshes (CR): Gazebo does not read it"
+            "is a text with CR line endings (old Macintosh): Gazebo does not read it"
         )
     numbers = parse_floats(b" ".join(VERTEX.findall(data)), "its vertices")
     triangles = len(END_OF_TRIANGLE.findall(data))
@@ -116,9 +116,9 @@ def _read_text(data: bytes) -> NDArray[np.float64]:
     if stop is not None:
         line = data.splitlines()[stop - 1][:MOST_SHOWN].decode("ascii", "replace").strip()
         raise BrokenMeshError(
-            f"is a text that Gazebo does not read from line {stop} on ({line!r}): `facet`, "
-            "`outer loop` and each `vertex` must have lines of their own, without others between "
-            f"them, none longer than {MOST_READ} characters"
+            f"is a text that Gazebo does not read from line {stop} on ({line!r}): `facet`, `outer "
+            f"loop` and each `vertex` must be on separate lines of at most {MOST_READ} characters, "
+            "without other lines between them"
         )
     return numbers.reshape(-1, 3, 3)
 

@@ -68,7 +68,7 @@ class _Neighbors:
                 return data
             problem = f"{needed} has more than {FILE_LIMIT / 1e6:.0f} MB"
         raise BrokenMeshError(
-            problem, hint="Put it next to the mesh, or export the mesh as one GLB file."
+            problem, hint="Copy it next to the mesh, or export the mesh as one GLB file."
         )
 
     __getitem__ = get
@@ -201,7 +201,8 @@ def read_mesh(file: Path, part: MeshPart | None = None, *, with_materials: bool 
         other = next((name for name, looks_so in RECOGNIZE.items() if looks_so(data)), None)
         if other is not None:
             raise BrokenMeshError(
-                f"contains {other.upper()}, but simulators take it for {kind.upper()} by its name",
+                f"contains {other.upper()}, but simulators read it as {kind.upper()} because of "
+                "its extension",
                 hint=f"Give the file the extension .{other}.",
             )
     try:
@@ -236,7 +237,7 @@ def _check_is_there(file: Path) -> None:
     """That it is a regular file of bearable size; opening anything else may wait for ever."""
     kind = irregular_kind(file)
     if kind is not None:
-        raise BrokenMeshError(f"is {kind}", hint="Name a mesh file.")
+        raise BrokenMeshError(f"is {kind}", hint="Give a mesh file.")
     size = file.stat().st_size
     if size > FILE_LIMIT:
         raise EnormousMeshError(
@@ -246,7 +247,7 @@ def _check_is_there(file: Path) -> None:
     if file.name not in os.listdir(file.parent):  # noqa: PTH208  names suffice
         raise BrokenMeshError(
             "differs from the description in upper and lower case",
-            hint="Write the name exactly as the file has it; other file systems require that.",
+            hint="Write the exact name of the file; case matters on other file systems.",
         )
 
 
@@ -309,12 +310,12 @@ def _inspect(
 def _bounds(corners: NDArray[Any]) -> tuple[Vector, Vector]:
     """The corners of the box around triangles, m."""
     if not len(corners):
-        raise BrokenMeshError("has no triangle: Gazebo leaves it out without a message")
+        raise BrokenMeshError("has no triangles: Gazebo silently ignores it")
     refuse_triangles(len(corners))
     low, high = bounds_of(corners)
     if not np.isfinite([*low, *high]).all() or max(-min(low), *high) > CRASHING:
         raise BrokenMeshError(
-            "has a vertex with an infinite, enormous or undefined coordinate: nothing can be "
-            "drawn or touched there"
+            "has a vertex with an infinite, huge or undefined coordinate, which cannot be drawn or "
+            "simulated"
         )
     return low, high

@@ -30,21 +30,21 @@ def changed_since(reference: str, folder: Path) -> frozenset[Path]:
     program = shutil.which("git")
     if program is None:
         raise NotFoundError(
-            "--changed-since needs git, which is not installed.",
-            hint="Install git, or leave the option out.",
+            "`--changed-since` needs git, which is not installed.",
+            hint="Install git, or omit the option.",
         )
     top = _run(program, folder, "rev-parse", "--show-toplevel")
     if top is None:
         raise RequestError(
-            f"{folder} is in no git repository, so nothing is known to have changed.",
-            hint="Leave --changed-since out, or run it in the repository.",
+            f"{folder} is not in a git repository: the changed files are not known.",
+            hint="Omit `--changed-since`, or run the command in a git repository.",
         )
     root = Path(top.strip("\n"))
     commit = _run(program, root, "rev-parse", "--verify", "--quiet", f"{reference}^{{commit}}")
     if reference.startswith("-") or commit is None:
         raise RequestError(
-            f"The repository has no commit {reference!r}.",
-            hint="Name a commit, branch or tag, for example: --changed-since origin/main "
+            f"The repository does not have the commit {reference!r}.",
+            hint="Give a commit, branch or tag, for example: --changed-since origin/main "
             "(a shallow clone in CI lacks it: fetch-depth: 0).",
         )
     changed = _run(program, root, "diff", "--name-only", "--no-renames", "-z", commit.strip(), "--")

@@ -40,10 +40,10 @@ CHANGED_SINCE_BUILD = Rule(
     code="PKG052",
     name="changed-since-build",
     severity=Severity.WARNING,
-    summary="A file was changed after the last build.",
-    what="Compares installed files with the newer sources that the build files install them from: "
-    "programs, Python modules, launch files, descriptions and all else that is copied. Links "
-    "(`--symlink-install`) and files that the build makes are left out.",
+    summary="A source file was changed after the last build.",
+    what="Compares installed files with newer sources: programs, Python modules, launch files, "
+    "descriptions and other copied files. Links (`--symlink-install`) and files that the build "
+    "generates are not checked.",
     why="`ros2 launch` and wsgen use the installed files: the change has no effect yet.",
     example="wsgen build\n$EDITOR src/my_robot/scripts/driver.py\nwsgen launch my_robot "
     "bringup.launch.py --run",
@@ -75,8 +75,8 @@ def changed_since_build(share: Path, source: Path) -> Iterator[Diagnostic]:
             message=f"Changed since the last build: {', '.join(changed[:NAMED])}{others}. "
             f"The older installed {copies} used.",
             # setuptools compares whole seconds: a build would leave what came with a clone.
-            hint="Remove the folders build and install, which are as old as the sources, as those "
-            "in a clone are; run `wsgen build`, then this command again."
+            hint="Remove the folders build and install (they are as old as the sources, as in a "
+            "clone), run `wsgen build`, then this command again."
             if _is_as_old(source / changed[0], copies_of[changed[0]])
             else "Run `wsgen build`, then this command again.",
         )

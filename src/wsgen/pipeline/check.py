@@ -78,7 +78,7 @@ def _refuse_unknown_distro(distro: str) -> None:
     if distro not in known and distro not in _WITHOUT_DATA:
         raise RequestError(
             f"'{distro}' is not a ROS 2 distribution that wsgen knows: {', '.join(known)}.",
-            hint=advice(distro.lower(), known, "Give one of these, for example --distro jazzy"),
+            hint=advice(distro.lower(), known, "Use one of these, for example --distro jazzy"),
         )
 
 

@@ -383,7 +383,7 @@ class FileCheck:
                 return (
                     UNUSABLE_FILE.at(
                         self.file,
-                        message=f"{self.file.name} is a launch file of XML without its ending.",
+                        message=f"The XML launch file {self.file.name} does not end in `.xml`.",
                         hint=f"Rename it, so that `ros2 launch` lists it: {self.file.name}.xml",
                     ),
                 )

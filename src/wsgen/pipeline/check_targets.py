@@ -115,7 +115,7 @@ def _require_packages(place: Workspace) -> tuple[PackageFolder, ...]:
         _refuse_ignored(place.root)
         refuse_missing_manifest([place.root])
         raise NotFoundError(
-            f"{place.root} has no ROS package.",
+            f"{place.root} does not contain a ROS package.",
             hint="Give a folder with packages, or a file: wsgen check robot.urdf",
         )
     return packages
@@ -131,8 +131,9 @@ def _refuse_ignored(root: Path) -> None:
     if ignored is not None:
         folder, marker = ignored
         raise NotFoundError(
-            f"{root} has no ROS package: colcon ignores {folder}, because {marker} exists.",
-            hint=f"Remove {marker}, or name the package: wsgen check {folder}",
+            f"{root} does not contain a ROS package: colcon ignores {folder}, because {marker} "
+            "exists.",
+            hint=f"Remove {marker}, or give the package: wsgen check {folder}",
         )
 
 
@@ -142,7 +143,7 @@ def _require_files(folder: Path) -> tuple[Path, ...]:
     if not files:
         _refuse_ignored(folder)
         raise NotFoundError(
-            f"{folder} has no ROS package, robot or world.",
+            f"{folder} does not contain a ROS package, robot or world.",
             hint="Give a folder with packages, or a file: wsgen check robot.urdf",
         )
     return files

@@ -132,8 +132,8 @@ def choose_workspace(given: str | None) -> Workspace:
     around = find_workspace(root)
     if around is not None and (root == around.source or around.source in root.parents):
         raise RequestError(
-            f"{root} lies among the packages of the workspace {around.root}.",
-            hint=f"Give the workspace itself: -w {around.root}",
+            f"{root} is inside the workspace {around.root}.",
+            hint=f"Use that workspace: -w {around.root}",
         )
     return Workspace(root=root)
 
@@ -147,7 +147,7 @@ def _choose_place(given: str | None, name: str) -> Workspace:
         if package.name == name:
             raise WouldOverwriteError(
                 f"The workspace has a package {name} in {package.path}; nothing was written.",
-                hint="Choose another name: colcon refuses two packages of one name.",
+                hint="Choose another name: colcon refuses two packages with the same name.",
             )
     return workspace
 

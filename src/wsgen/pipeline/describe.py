@@ -84,7 +84,7 @@ def describe(
             overlay = overlays_of_files(request.files, workspace, environment, stack)[0]
             return _describe_file(request.files[0], overlay, request, folder, listener)
         if workspace is None:
-            raise RequestError("No package is named.", hint="wsgen view PACKAGE")
+            raise RequestError("The package is not specified.", hint="wsgen view PACKAGE")
         overlay = stack.enter_context(open_overlay([workspace], environment))
         selection = select_packages(workspace, overlay, request, listener)
         if not selection.packages:

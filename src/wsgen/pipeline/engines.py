@@ -51,8 +51,8 @@ def _how_to_install(engines: Sequence[str]) -> str:
             what = name_engines(extras)
         return f"Install {what}: pip install 'wsgen[{','.join(extras)}]'"
     return (
-        "PyBullet comes with wsgen where it has a wheel for the machine and its Python; elsewhere "
-        f"use --engine {default_engine()}."
+        "PyBullet is installed with wsgen if it has a wheel for this machine and Python version; "
+        f"otherwise use --engine {default_engine()}."
     )
 
 
@@ -60,8 +60,8 @@ ENGINE_LEFT_OUT = Rule(
     code="SPN098",
     name="engine-left-out",
     severity=Severity.INFO,
-    summary="An engine is not installed, so `--engine all` compares the other two.",
-    why="Of two engines that disagree, neither is known to be the one that is right.",
+    summary="An engine is not installed; `--engine all` compares the other two.",
+    why="If two engines disagree, it is not known which one is right.",
     example="wsgen validate my_robot --engine all",
     instead="pip install 'wsgen[mujoco,dart]'\nwsgen validate my_robot --engine all",
 )

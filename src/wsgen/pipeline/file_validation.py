@@ -44,9 +44,9 @@ NO_MODEL = Rule(
     code="WLD042",
     name="no-model",
     severity=Severity.ERROR,
-    severity_varies="a note for the file of a world",
-    summary="The SDF file has no model to simulate.",
-    why="Nothing is simulated, so nothing is checked but the file.",
+    severity_varies="information for a world file",
+    summary="The SDF file does not have a model to simulate.",
+    why="Only the file is checked; nothing is simulated.",
     example='<sdf version="1.6"/>',
     instead="""
 <sdf version="1.6">
@@ -62,10 +62,10 @@ UNUSABLE_FILE = Rule(
     code="PKG066",
     name="unusable-file",
     severity=Severity.ERROR,
-    summary="A file that is named together with others cannot be simulated.",
-    what="Looks for files that do not exist, for folders, and for files that are neither URDF nor "
-    "xacro nor SDF, by their root element.",
-    why="Nothing of it is simulated; the other files and packages are.",
+    summary="One of several given files cannot be simulated.",
+    what="Looks for missing files, folders, and files whose root element is not that of a URDF, "
+    "xacro or SDF file.",
+    why="The file is not simulated; the other files and packages are.",
     example="wsgen validate models/*",
     instead="wsgen validate models/*.urdf models/*.sdf",
 )
@@ -73,8 +73,9 @@ PART_OF_ROBOT = Rule(
     code="PKG067",
     name="part-of-robot",
     severity=Severity.ERROR,
-    summary="A xacro file makes no robot: it is there for other files to include.",
-    why="A file that only defines macros and properties expands to no link. Nothing is simulated.",
+    summary="A xacro file does not define a robot: other files include it.",
+    why="A file that only defines macros and properties expands to a robot without links. Nothing "
+    "is simulated.",
     example="wsgen validate urdf/wheel.xacro",
     instead="wsgen validate urdf/rover.urdf.xacro",
 )
@@ -200,7 +201,7 @@ class FileValidation:
         reason = "its <robot> has no name"
         if NO_LINK.code in codes:
             reason = f"it only defines macros ({macros})" if macros else "it has no link"
-        message = f"The file makes no robot: {reason}."
+        message = f"The file does not define a robot: {reason}."
         self.diagnostics = [PART_OF_ROBOT.at(self.file, message=message, hint=hint)]
         return True
 
@@ -232,8 +233,8 @@ class FileValidation:
             self.diagnostics.append(
                 NO_MODEL.at(
                     self.file,
-                    message="The file has no model to simulate.",
-                    hint="Name a package that spawns a robot into it: wsgen validate PACKAGE",
+                    message="The file does not have a model to simulate.",
+                    hint="Give a package that spawns a robot into it: wsgen validate PACKAGE",
                     severity=Severity.ERROR if found.world is None else Severity.INFO,
                 )
             )

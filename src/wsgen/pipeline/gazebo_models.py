@@ -40,8 +40,9 @@ DATABASE_MODEL = Rule(
     name="database-model",
     severity=Severity.WARNING,
     severity_varies="an error where no other robot is simulated",
-    summary="The spawner takes a model that only Gazebo has, or downloads.",
-    what="Looks the model up where Gazebo looks on this machine, and around the launch file.",
+    summary="A spawner uses a model that only Gazebo has or downloads.",
+    what="Looks for the model in the folders that Gazebo searches on this machine, and around the "
+    "launch file.",
     why="The model is not part of the workspace, so wsgen cannot simulate it.",
     example="arguments=['-database', 'coke_can', '-entity', 'can']",
     instead="arguments=['-file', os.path.join(share, 'models', 'can', 'model.sdf'), "
@@ -164,7 +165,7 @@ def look_up_model(
         around,
         process.line if process else None,
         uri,
-        message=f"'{uri}' is not found in the workspace: Gazebo has it or downloads it, wsgen does "
+        message=f"'{uri}' is not in the workspace: Gazebo has it or downloads it, but wsgen does "
         "not simulate it.",
-        hint="To simulate it too, install the model with the package, and spawn its file.",
+        hint="To simulate it, install the model with the package, and spawn its file.",
     )

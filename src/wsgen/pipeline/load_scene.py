@@ -90,8 +90,8 @@ def load_scene(
     name = package or package_of(near)
     if name is None:
         raise RequestError(
-            f"{near} is not in a package: no package.xml is above it.",
-            hint="Name the package: pytest --wsgen-package NAME, or "
+            f"{near} is not in a package: its parent folders do not contain a package.xml.",
+            hint="Give the package: pytest --wsgen-package NAME, or "
             '@pytest.mark.wsgen(package="NAME") at the test.',
         )
     environment = {"AMENT_PREFIX_PATH": prefix(), **os.environ}
@@ -166,7 +166,7 @@ def select_only(
     files = [one.launch_file.name for one in selection.packages if one.launch_file]
     raise RequestError(
         f"{package} has {len(files)} launch files that spawn robots.",
-        hint=f"Choose one: {', '.join(files)}.",
+        hint=f"Give one of them: {', '.join(files)}.",
     )
 
 

@@ -462,11 +462,13 @@ class Validation:
             return behavior_plan
         if has_errors(self.diagnostics) or not all(robot.can_run for robot in prepared):
             return behavior_plan.leave_out(
-                "The package has errors.", "Correct them; then its launch file is run."
+                "The package has errors.", "Correct the errors; then wsgen runs its launch file."
             )
         if self.request.run_live is None:
             return behavior_plan.leave_out(
-                "This command runs no nodes.", "`wsgen validate` runs them.", Severity.INFO
+                "This command does not run nodes.",
+                "Run `wsgen validate`, which runs them.",
+                Severity.INFO,
             )
         try:
             live = self._measure_live(launch_file, behavior_plan.to_run, prepared)
@@ -580,7 +582,7 @@ class Validation:
                 f"The nodes of {', '.join(names)} cannot be started: it is not built."
                 if len(names) == 1
                 else f"The nodes of {', '.join(names)} cannot be started: they are not built.",
-                hint="Run `wsgen build`; then the launch file is run.",
+                hint="Run `wsgen build`; then wsgen runs the launch file.",
             )
 
     def _simulate(
@@ -634,7 +636,7 @@ def may_come_later(found: Diagnostic) -> Diagnostic:
     """That no robot is spawned is no mistake while nodes run, which may spawn one."""
     if found.code != NO_ROBOT.code:
         return found
-    hint = "Nothing needs to be done where a node spawns robots while the launch runs."
+    hint = "No action is needed if a node spawns the robots at run time."
     return replace(found, severity=Severity.INFO, hint=hint)
 
 
@@ -645,7 +647,7 @@ def why_nothing_is_simulated(plan: LaunchPlan, found: Sequence[Diagnostic]) -> l
     if codes.isdisjoint(one.code for one in found):
         missing = NO_ROBOT.at(
             plan.launch_file,
-            message="No robot is simulated: nothing that the launch file spawns can move.",
+            message="No robot is simulated: all spawned models are static.",
             hint="Spawn a model with movable joints, or one that is not static.",
         )
         return [*found, missing]

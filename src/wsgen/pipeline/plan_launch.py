@@ -134,8 +134,8 @@ def _choose(
     if path.exists() and (not names_file or overlay.share(first) is None):
         if names_file:
             raise RequestError(
-                f"{rest[0]!r} is not a launch argument, and {first!r} is not a package.",
-                hint="Give arguments after the path of a launch file: name:=value.",
+                f"{rest[0]!r} is not a launch argument, and the package {first!r} does not exist.",
+                hint="Write launch arguments after the path of the launch file: name:=value.",
             )
         if path.is_dir():
             share = overlay.share(first)
@@ -160,7 +160,7 @@ def _folder_named(written: str, folder: Path) -> RequestError:
     """The error for a folder in the place of a launch file."""
     files = [os.path.relpath(file) for file in find_launch_files(folder)]
     return RequestError(
-        f"{written!r} is a folder, and no launch file.",
+        f"{written!r} is a folder, not a launch file.",
         hint=f"wsgen launch {' | '.join(files[:MOST_LISTED])}"
         if files
         else "Give the path of a launch file, or a package and the name of one.",
@@ -176,7 +176,7 @@ def _no_file_named(package: str, share: Path) -> RequestError:
             hint="Install one in its CMakeLists.txt, then build again.",
         )
     return RequestError(
-        f"{package} is a package: the name of the launch file is missing.",
+        f"The name of the launch file of the package {package} is missing.",
         hint=f"wsgen launch {package} {' | '.join(names)}",
     )
 

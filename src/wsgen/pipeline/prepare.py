@@ -482,9 +482,9 @@ OVERSIZED_SCENE = Rule(
     name="oversized-scene",
     severity=Severity.ERROR,
     summary="The scene has more than 1000 models.",
-    why="The simulation would take hours. Public worlds have some dozens of models.",
+    why="The simulation would take hours. Public worlds have a few dozen models.",
     example="A world file with 5000 <model> elements, one for each brick.",
-    instead="Combine the bricks that never move in one static model.",
+    instead="Combine the bricks that never move into one static model.",
 )
 
 
@@ -594,8 +594,8 @@ def _completed(
 def _too_many(models: int, found: SdfFile) -> Diagnostic:
     return OVERSIZED_SCENE.at(
         found.world.file if found.world else None,
-        message=f"The world has {models:,} models: a simulation takes at most {MOST_MODELS:,}.",
-        hint="Combine what never moves in one static model, or split the world.",
+        message=f"The world has {models:,} models: a simulation supports at most {MOST_MODELS:,}.",
+        hint="Combine parts that never move into one static model, or split the world.",
     )
 
 

@@ -109,8 +109,8 @@ def check_remotely(  # noqa: PLR0913, PLR0917  what `check` has, and where to ru
     """
     if os.name != "posix":
         raise RequestError(
-            "wsgen check --scheduler cannot send the files of this system.",
-            hint="Leave --scheduler out, or run it on Linux (WSL has it, too).",
+            "`wsgen check --scheduler` cannot send files from this operating system.",
+            hint="Omit `--scheduler`, or run it on Linux (WSL works, too).",
         )
     packages = (*targets.packages, *targets.installed)
     archive = CheckArchive(targets, environment)

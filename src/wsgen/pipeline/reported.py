@@ -172,7 +172,7 @@ def find_codes(names: Iterable[str]) -> frozenset[str]:
             if rule is None:
                 known = [word for one in all_rules() for word in (one.code, one.name)]
                 raise RequestError(
-                    f"No rule or family has the name or code {name!r}.",
+                    f"The rule or family {name!r} does not exist.",
                     hint=f"{ask_for_nearest(name, [*known, *FAMILIES])}"
                     "`wsgen rule` lists all rules; families are " + ", ".join(FAMILIES) + ".",
                 )

@@ -182,8 +182,8 @@ ENGINE_CHANGED = Rule(
     name="engine-changed",
     severity=Severity.INFO,
     summary="The robot is too complex for PyBullet; another engine simulates it.",
-    what="Counts the links, and further parts where a link has several frictions.",
-    why="PyBullet does not simulate robots with more parts than its limit.",
+    what="Counts the links, and additional parts for links with several friction values.",
+    why="PyBullet cannot simulate robots with more parts than its limit.",
     example="wsgen validate my_robot",
     instead="wsgen validate my_robot --engine mujoco",
 )
@@ -197,7 +197,7 @@ def _unstable_robots(result: _EngineResult) -> dict[str, str]:
         if (STATE_NOT_FINITE.code, entity) in codes:
             shown[entity] = "its pose becomes infinite or not-a-number"
         elif (GAINS_ENERGY.code, entity) in codes:
-            shown[entity] = f"it gains {robot_run.energy_gain:.3g} J though nothing drives it"
+            shown[entity] = f"it gains {robot_run.energy_gain:.3g} J although it is not driven"
     return shown
 
 
@@ -209,17 +209,19 @@ def _report_unstable(
     found = []
     for entity, shown in next(iter(unstable.values())).items():
         if not others:
-            message = f"Only {tried} simulated the robot: it may be the engine that is unstable."
+            message = (
+                f"Only {tried} simulated the robot: the cause may be the engine, not the robot."
+            )
             hint = (
-                "Install DART, the engine of Gazebo Sim, which wsgen then tries, too: "
-                "pip install 'wsgen[dart]'"
+                "Install DART, the engine of Gazebo Sim, for a second result: pip install "
+                "'wsgen[dart]'"
             )
         else:
             other = name_engines(others)
             message = f"{tried} cannot simulate the robot stably: {shown}. The result is {other}'s."
             hint = (
-                f"Add --engine {others[0]} to choose {ENGINE_NAMES[others[0]]} yourself. Inertias "
-                "that are too small for their masses are the usual cause."
+                "Check the inertias, which are usually too small for the masses; or select the "
+                f"engine with --engine {others[0]}."
             )
         found.append(ENGINE_UNSTABLE.at(None, element=entity, message=message, hint=hint))
     return found
@@ -253,7 +255,7 @@ def _beyond_bullet(robots: Sequence[PreparedRobot], engines: Sequence[str]) -> I
                 f"simulate{'s' if len(others) == 1 else ''} it.",
                 hint=f"Add --engine {others[0]} to choose {ENGINE_NAMES[others[0]]} yourself."
                 if len(engines) == 1
-                else "Nothing to do; the comparison is without PyBullet.",
+                else "No action is needed; the comparison does not include PyBullet.",
             )
 
 

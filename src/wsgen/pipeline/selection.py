@@ -57,7 +57,7 @@ MISNAMED_LAUNCH_FILE = Rule(
     code="PKG051",
     name="misnamed-launch-file",
     severity=Severity.ERROR,
-    summary="The name of the launch file does not end as that of one.",
+    summary="The name of a launch file has the wrong ending.",
     what="Looks for launch files by their content where the package has none whose name ends with "
     "`launch.py`, `launch.xml`, `launch.yaml` or `launch.yml`, and no Python file in a folder "
     "`launch`.",
@@ -165,7 +165,7 @@ def _check_name(name: str, sources: Mapping[str, Path]) -> None:
     if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]*", name):
         near = name.strip("./").rpartition("/")[2]
         raise RequestError(
-            f"{name!r} is not the name of a package.",
+            f"The package {name!r} does not exist.",
             hint=f"Write: wsgen validate {near}"
             if near in sources
             else "Give the name of a package, or a .urdf, .xacro, .sdf or .world file.",
@@ -190,8 +190,9 @@ def _select_by_launch_file(
             raise no_such_launch_file(name, wanted, find_launch_files(share))
     if not selected:
         raise RequestError(
-            f"No package of the workspace installs a launch file {wanted}.",
-            hint="`wsgen validate` without --launch lists the launch files that spawn robots.",
+            f"The packages of the workspace do not install a launch file {wanted}.",
+            hint="Run `wsgen validate` without --launch to list the launch files that spawn "
+            "robots.",
         )
     return selected
 
@@ -365,7 +366,9 @@ def _misplaced_launch_file(source: Path, file: Path, rule: Call, package: str) -
     if meant == ["share", package]:
         message = f"The install space does not contain {name}, which install() names in line "
         message += f"{rule.line} of CMakeLists.txt."
-        hint = "Run `wsgen build`; if that does not help, check for an if() around install()."
+        hint = (
+            "Run `wsgen build`; if the folder is still missing, check for an if() around install()."
+        )
     else:
         message = f"{name} is installed to {place}, but `ros2 launch` looks in share/{package}."
         lost = re.search(r"(?<!\$)\{PROJECT_NAME\}", place)

@@ -56,11 +56,11 @@ DESCRIPTION_FROM_ELSEWHERE = Rule(
     code="LCH066",
     name="description-from-elsewhere",
     severity=Severity.INFO,
-    summary="The robot description that the spawner waits for is that of another launch file.",
-    what="Looks, where a launch file starts neither a simulator nor a `robot_state_publisher`, for "
-    "the one that publishes the topic in the launch files of the package, then of the workspace.",
-    why="The two are started from different terminals. Without the other one, the spawner waits "
-    "for ever.",
+    summary="Another launch file publishes the robot description that the spawner waits for.",
+    what="Where a launch file starts neither a simulator nor a `robot_state_publisher`, looks for "
+    "a publisher of the topic in the launch files of the package, then of the workspace.",
+    why="The two launch files are started in different terminals. Without the other one, the "
+    "spawner waits forever.",
     example="ros2 launch my_robot spawn.launch.py",
     instead="ros2 launch my_robot rsp.launch.py  # first, in another terminal",
 )
@@ -176,8 +176,8 @@ def with_description(started: Started, others: Iterable[LaunchPlan], overlay: Ov
     elsewhere = DESCRIPTION_FROM_ELSEWHERE.at(
         spawn.process.file,
         spawn.process.line,
-        message=f"The robot description is that of {plan.package} {plan.launch_file.name}, which "
-        "must be started too.",
-        hint=f"Include {plan.launch_file.name}, so that one command starts both.",
+        message=f"{plan.package} {plan.launch_file.name} publishes the robot description, and must "
+        "be started, too.",
+        hint=f"Include {plan.launch_file.name}, so that a single command starts both.",
     )
     return found._replace(plan=started.plan, diagnostics=(*found.diagnostics, elsewhere))

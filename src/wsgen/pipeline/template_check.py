@@ -51,7 +51,7 @@ MALFORMED_RENDERED_FILE = Rule(
     severity=Severity.ERROR,
     summary="A rendered file is not well-formed.",
     what="Parses the XML, Python and TOML files of the package that the template renders.",
-    why="Every package that is made from the template has the same mistake.",
+    why="Every package from this template has the same error.",
     example='<link name="{{ name }}_base">',
     instead='<link name="{{ name }}_base"/>',
 )
@@ -84,8 +84,8 @@ def _malformed(file: Path, form: str, why: str, line: int | None) -> Diagnostic:
     return MALFORMED_RENDERED_FILE.at(
         file,
         line,
-        message=f"{file.name} is not {form}: {why}.",
-        hint="Fix the source; `wsgen new -t FOLDER` writes the file to look at.",
+        message=f"{file.name} is not valid {form}: {why}.",
+        hint="Fix the template; run `wsgen new -t FOLDER` to see the rendered file.",
     )
 
 

@@ -244,12 +244,10 @@ def _refuse_only_file(file: Path) -> None:
 def _refuse_idle_options(request: ValidateRequest) -> None:
     """Refuse options that would have no effect."""
     if request.launch_file is not None:
-        raise RequestError(
-            "A robot file is validated without a launch file.", hint="Remove --launch."
-        )
+        raise RequestError("`--launch` cannot be used with a robot file.", hint="Remove --launch.")
     if request.launch_arguments and not any(map(_is_xacro, request.files)):
         raise RequestError(
-            "Only a xacro file takes arguments.", hint="Remove --arg, or give a xacro file."
+            "Only xacro files have arguments.", hint="Remove --arg, or give a xacro file."
         )
 
 
@@ -314,7 +312,7 @@ def play(  # noqa: PLR0913  what to play, where, how
         require_encoder(request.video)
     problem = None if request.video is None else why_no_video(request.video)
     if problem is not None:
-        raise RequestError(f"Cannot record a video: {problem}.", hint="Record a .gif, for example.")
+        raise RequestError(f"Cannot record a video: {problem}.", hint="Record a .gif instead.")
     selected = selected_package(launch_file, package, overlay, workspace)
     outcome = Validation(selected, overlay, request.shared_by(1), listener).run()
     own = replace(outcome, package=package)

@@ -75,7 +75,7 @@ def run_in_workers(
 
 
 def _run_nothing(*_arguments: object, **_keywords: object) -> NoReturn:
-    raise RuntimeError("Only a worker runs the calls.")
+    raise RuntimeError("Only a worker process runs the calls.")
 
 
 def _give(worker: Connection, index: int | None) -> bool:

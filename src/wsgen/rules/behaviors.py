@@ -66,7 +66,7 @@ def check_live(
     if not left_out:
         return found
     more = f" and {len(left_out) - NAMED} more" if len(left_out) > NAMED else ""
-    named = f"Left out of the run: {', '.join(left_out[:NAMED])}{more}."
+    named = f"Skipped in the run: {', '.join(left_out[:NAMED])}{more}."
     return tuple(replace(one, hint=f"{one.hint} {named}" if one.hint else named) for one in found)
 
 
@@ -188,7 +188,7 @@ LAUNCH_NOT_RUN = Rule(
     name="launch-not-run",
     severity=Severity.WARNING,
     severity_varies="information from commands that do not run nodes",
-    summary="A behavior with `run = true` is left out: its launch file cannot be run here.",
+    summary="A behavior with `run = true` is skipped: its launch file cannot be run here.",
     what="Looks for ROS (sourced, or from `wsgen[ros]`), and whether the command runs nodes.",
     why="The behavior of the nodes is not checked.",
     example="pip install wsgen",
@@ -204,7 +204,7 @@ def launch_not_run(
         file,
         behavior.line,
         f"behavior `{behavior.name}`",
-        message=f"`{behavior.name}` is left out: {reason[:1].lower()}{reason[1:].rstrip('.')}.",
+        message=f"`{behavior.name}` is skipped: {reason[:1].lower()}{reason[1:].rstrip('.')}.",
         hint=hint,
         severity=severity,
     )

@@ -223,7 +223,7 @@ def _without_topics(node: Process) -> Diagnostic:
         node.file,
         node.line,
         node.executable,
-        message=f"`{node.executable}` is given no topics, and bridges nothing.",
+        message=f"`{node.executable}` has no topics in its arguments, and does not bridge any.",
         hint="Name the YAML file with its topics: parameters=[{'config_file': FILE}], or give "
         "topics as arguments.",
     )

@@ -255,8 +255,8 @@ def models_from_network(
             line_of(first),
             path_of(first),
             message=f"Gazebo downloads models of this world: {some_of(names)}.",
-            hint="Download them once with `gz fuel download -u URI`, or put their folders into the "
-            "package and include model://NAME.",
+            hint="Download them once with `gz fuel download -u URI`, or copy their folders into "
+            "the package and include model://NAME.",
         )
 
 

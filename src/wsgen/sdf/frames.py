@@ -28,10 +28,10 @@ DUPLICATE_SDF_NAME = Rule(
     code="WLD015",
     name="duplicate-sdf-name",
     severity=Severity.ERROR,
-    summary="Two elements of one world, model or link have the same name.",
+    summary="Two elements of a world, model or link have the same name.",
     what="Links, joints, frames and nested models share one namespace; the visuals of a link have "
     "one, and so have its collisions.",
-    why="Gazebo Sim refuses the file, and joints and plugins cannot distinguish the two.",
+    why="Gazebo Sim refuses the file: joints and plugins cannot distinguish the two.",
     example='<link name="wheel"/>\n<link name="wheel"/>',
     instead='<link name="left_wheel"/>\n<link name="right_wheel"/>',
 )
@@ -43,7 +43,7 @@ UNKNOWN_FRAME = Rule(
     summary="A pose, frame, axis or model names a frame that does not exist.",
     what="Looks at `relative_to`, `attached_to`, `expressed_in`, `placement_frame` and "
     "`canonical_link`.",
-    why="Gazebo refuses the model: it cannot know where the element is.",
+    why="Gazebo refuses the model: it cannot compute the pose of the element.",
     example='<link name="arm">\n  <pose relative_to="sholder">0 0 0.1 0 0 0</pose>',
     instead='<link name="arm">\n  <pose relative_to="shoulder">0 0 0.1 0 0 0</pose>',
 )
@@ -53,7 +53,7 @@ FRAME_CYCLE = Rule(
     name="frame-cycle",
     severity=Severity.ERROR,
     summary="A frame is placed relative to itself, directly or through other frames.",
-    why="Gazebo refuses the model: no pose in the circle is known.",
+    why="Gazebo refuses the model: it cannot compute these poses.",
     example="""<frame name="a">
   <pose relative_to="b"/>
 </frame>
@@ -248,7 +248,7 @@ def _unused_name(scope: Scope, kind: Kind, name: str, element: Element) -> str |
             ONE_NAME_FOR_LINK_AND_JOINT,
             f"A joint and a {other.kind} have the same name `{name}`.",
             at=element,
-            hint=f"Rename the joint, to `{renamed}` for example: since SDF 1.7 they share one "
+            hint=f"Rename the joint, for example to `{renamed}`: since SDF 1.7 they share one "
             "namespace.",
         )
         return renamed
@@ -258,7 +258,7 @@ def _unused_name(scope: Scope, kind: Kind, name: str, element: Element) -> str |
         if kind != other.kind
         else f"Two {kind}s have the name `{name}`.",
         at=element,
-        hint="Give each its own name; an <include> can have a <name>.",
+        hint="Give each a different name; an <include> can have a <name>.",
     )
     return None
 
@@ -354,7 +354,8 @@ def frame_called(node: Node, name: str, what: str) -> Node | None:
             f"{what} of the {node.kind} `{node.name}` names `{name}`, "
             "which is not a link, joint, frame or model here.",
             at=node.element,
-            hint="Name one of the same model; write `MODEL::NAME` for one of a nested model.",
+            hint="Write the name of one in the same model, or `MODEL::NAME` for one in a nested "
+            "model.",
         )
     return found
 

@@ -42,9 +42,9 @@ MODEL_LEFT_OUT = Rule(
     code="WLD004",
     name="model-left-out",
     severity=Severity.WARNING,
-    severity_varies="an error where the model is part of another model that can move, where an "
-    "`<include>` has no `<uri>`, and where the world has no ground because of it; "
-    "information of `wsgen check` about what Gazebo downloads, and about actors and the like",
+    severity_varies="an error where the model is part of a movable model, where an `<include>` has "
+    "no `<uri>`, and where the world then has no ground; information from `wsgen check` about "
+    "models that Gazebo downloads, and about actors, joints and populations",
     summary="A model of the world is not part of the simulation.",
     what="Looks for included models beside the file, in the folders of `GAZEBO_MODEL_PATH` and "
     "`GZ_SIM_RESOURCE_PATH` and in the cache of Gazebo Fuel; the network is not used. Joints, "
@@ -60,7 +60,7 @@ INCLUDE_CYCLE = Rule(
     name="include-cycle",
     severity=Severity.ERROR,
     summary="A model includes itself.",
-    why="The model would have infinitely many parts: Gazebo crashes or refuses it.",
+    why="The model has infinitely many parts: Gazebo crashes or refuses it.",
     example="""<!-- models/arm/model.sdf -->
 <model name="arm">
   <include>
@@ -79,13 +79,14 @@ DATABASE_MODELS = Rule(
     code="WLD062",
     name="models-of-gazebo",
     severity=Severity.INFO,
-    severity_varies="a warning for Gazebo Sim, which downloads none of them",
-    summary="Models of the database of Gazebo are not on this machine.",
-    what="Looks for `model://NAME` of models and meshes that Gazebo Classic downloads by itself.",
-    why="The simulation of wsgen does without them: it downloads nothing.",
+    severity_varies="a warning for Gazebo Sim, which does not download them",
+    summary="Models of Gazebo's model database are not on this machine.",
+    what="Looks for `model://NAME` of models and meshes that Gazebo Classic downloads "
+    "automatically.",
+    why="`wsgen` does not download models: its simulation lacks them.",
     example="<include>\n  <uri>model://cafe_table</uri>\n</include>",
-    instead="Put the folder of the model beside the world, or into a folder of GAZEBO_MODEL_PATH "
-    "or GZ_SIM_RESOURCE_PATH.",
+    instead="Copy the folder of the model beside the world, or to a folder of GAZEBO_MODEL_PATH or "
+    "GZ_SIM_RESOURCE_PATH.",
 )
 
 FUEL_MODEL = Rule(
@@ -93,9 +94,9 @@ FUEL_MODEL = Rule(
     name="model-from-network",
     severity=Severity.INFO,
     severity_varies="a warning about a collision of a robot",
-    summary="A world takes models from the network.",
-    why="The first start of the world downloads them, and fails on a machine without network, as "
-    "tests often run on.",
+    summary="A world downloads models from the network.",
+    why="The first start of the world downloads them, and fails on a machine without network, such "
+    "as a CI runner.",
     example="<include>\n"
     "  <uri>https://fuel.gazebosim.org/1.0/OpenRobotics/models/Table</uri>\n"
     "</include>",
@@ -132,7 +133,7 @@ MOST_NAMED = 8
 MOST_COMPARED = 20  # names; difflib is slow, and a file with more has another problem
 
 WHERE = (
-    "Put its folder beside this file, or into a folder of GAZEBO_MODEL_PATH (Gazebo Classic) or "
+    "Copy its folder beside this file, or to a folder of GAZEBO_MODEL_PATH (Gazebo Classic) or "
     "GZ_SIM_RESOURCE_PATH (Gazebo Sim)."
 )
 
@@ -226,10 +227,10 @@ class Includes:
             (
                 DATABASE_MODELS,
                 self._of_gazebo,
-                "Models of the database of Gazebo are not on this machine",
+                "Models of Gazebo's model database are not on this machine",
                 (
-                    "Gazebo Classic downloads them by itself; Gazebo Sim needs their folders in "
-                    "GZ_SIM_RESOURCE_PATH."
+                    "For Gazebo Sim, copy their folders to a folder of GZ_SIM_RESOURCE_PATH; "
+                    "Gazebo Classic downloads them automatically."
                 ),
             ),
             (
@@ -238,7 +239,7 @@ class Includes:
                 "Meshes of models that Gazebo downloads are not on this machine",
                 (
                     "Download the models once with `gz fuel download -u URI` (Gazebo Fortress: "
-                    "`ign fuel`), or put their folders into one of GZ_SIM_RESOURCE_PATH."
+                    "`ign fuel`), or copy them to a folder of GZ_SIM_RESOURCE_PATH."
                 ),
             ),
         ):
@@ -248,8 +249,7 @@ class Includes:
                 more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
                 source.report(
                     rule,
-                    f"{what}: {', '.join(names[:MOST_NAMED])}{more}. "
-                    "The simulation does without them.",
+                    f"{what}: {', '.join(names[:MOST_NAMED])}{more}. The simulation lacks them.",
                     at=element,
                     hint=hint,
                     severity=severity,
@@ -284,7 +284,7 @@ class Includes:
                 INCLUDE_CYCLE,
                 f"`{uri}` includes itself ({_circle(trail, found)}).",
                 at=include,
-                hint="Remove one of the includes of the circle.",
+                hint="Remove one of the includes of this cycle.",
             )
             return None
         if isinstance(found, Path):
@@ -431,11 +431,11 @@ def how_to_find(uri: str) -> str:
     if not uri:
         return "Write <uri>model://NAME</uri> into it."
     if "://" not in uri:
-        return "Check its spelling and capitals; the path is relative to this file."
+        return "Check its spelling and upper and lower case; the path is relative to this file."
     if _is_on_network(uri):
         return (
             f"Download it once with `gz fuel download -u '{uri}'` (Gazebo Fortress: `ign fuel`), "
-            "or put its folder into one of GZ_SIM_RESOURCE_PATH, and include model://NAME."
+            "or copy its folder to a folder of GZ_SIM_RESOURCE_PATH, and include model://NAME."
         )
     return WHERE
 
@@ -486,7 +486,7 @@ def _why_no_model(file: Path, source: Source | None) -> str:
     if source is None:
         return f"{file} cannot be read"
     if source.root.tag == "robot":
-        return f"{file} is a URDF, which only a model directly in the world can be"
+        return f"{file} is a URDF, which only a top-level <include> of the world can use"
     return f"{file} has no <model>"
 
 

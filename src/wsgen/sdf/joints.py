@@ -79,7 +79,7 @@ def read_edge(node: Node) -> Edge | None:
             UNKNOWN_JOINT_TYPE,
             f"`{kind}` is not a joint type." if kind else f"The joint `{node.name}` has no type.",
             at=element,
-            hint=f"One of {', '.join((*TYPES, *LEFT_OUT))}.",
+            hint=f"Use one of {', '.join((*TYPES, *LEFT_OUT))}.",
         )
         return None
     if child is None or (parent is None and word(element, "parent") != WORLD):
@@ -163,9 +163,9 @@ def _axis(node: Node, axis: Element, poses: Poses) -> Vector:
     if length == 0 or not math.isfinite(length):
         source.report(
             ZERO_AXIS,
-            f"The axis of the joint `{node.name}` has no direction.",
+            f"The axis of the joint `{node.name}` has length 0.",
             at=axis,
-            hint="Write the axis that the joint moves about or along, such as <xyz>0 0 1</xyz>.",
+            hint="Write the direction of rotation or motion, for example <xyz>0 0 1</xyz>.",
         )
         return DEFAULT_AXIS
     unit = (xyz[0] / length, xyz[1] / length, xyz[2] / length)
@@ -203,7 +203,7 @@ def _limit(source: Source, axis: Element) -> JointLimit:
             SWAPPED_LIMITS,
             f"The lower limit {lower:g} is above the upper limit {upper:g}.",
             at=axis,
-            hint="Swap them; the simulation does so.",
+            hint="Swap them; the simulation swaps them, too.",
         )
         lower, upper = upper, lower
     return JointLimit(

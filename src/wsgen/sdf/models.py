@@ -48,9 +48,10 @@ NO_WORLD = Rule(
     code="WLD003",
     name="no-world",
     severity=Severity.ERROR,
-    severity_varies="information of `wsgen check` in a format of Gazebo 1, and of a light alone",
+    severity_varies="information from `wsgen check` for a format of Gazebo 1, and for a single "
+    "light",
     summary="An SDF file has neither a `<world>` nor a `<model>`.",
-    why="Gazebo has nothing to load and refuses the file.",
+    why="Gazebo refuses the file: it contains nothing to load.",
     example='<sdf version="1.9">\n</sdf>',
     instead='<sdf version="1.9">\n  <world name="w">\n  </world>\n</sdf>',
 )
@@ -59,14 +60,14 @@ TOO_MANY_MODELS = Rule(
     code="WLD014",
     name="too-many-models",
     severity=Severity.ERROR,
-    summary="Models are nested too deeply, or have too many parts.",
-    what="Reads models in models up to 50 deep, and 60,000 links, joints, frames and models of a "
-    "file with all that it includes.",
-    why="Such a file is nearly always a mistake, such as models that include each other several "
-    "times, and no simulator can load it.",
+    summary="Models are nested too deeply or have too many parts.",
+    what="Allows 50 levels of nested models, and 60,000 links, joints, frames and models in a file "
+    "and its includes.",
+    why="Usually models include each other several times by mistake. Simulators cannot load such a "
+    "file.",
     example='<model name="a">\n  <include><uri>model://b</uri></include>\n'
     "  <include><uri>model://b</uri></include>\n  ...",
-    instead="Put the models side by side in the world, and place them with relative_to.",
+    instead="Move the models to the top level of the world, and place them with `relative_to`.",
 )
 
 SEVERAL_MODELS = Rule(
@@ -74,9 +75,9 @@ SEVERAL_MODELS = Rule(
     name="several-models",
     severity=Severity.ERROR,
     severity_varies="a warning in a file with a world, which is then read",
-    summary="The file contains several worlds or models, of which only one is read.",
-    why="Gazebo's parser refuses a file with several models outside of a world. Of several "
-    "worlds, wsgen simulates only the first.",
+    summary="Only one of the worlds and models of the file is read.",
+    why="Gazebo's parser refuses a file with several models outside of a world. wsgen simulates "
+    "only the first world of a file.",
     example='<sdf version="1.9">\n  <model name="a">...</model>\n  <model name="b">...</model>\n'
     "</sdf>",
     instead='<sdf version="1.9">\n  <world name="w">\n    <model name="a">...</model>\n'
@@ -88,16 +89,16 @@ SPAWNED_LIGHT = Rule(
     name="spawned-light",
     severity=Severity.INFO,
     summary="A launch file spawns only a light or an actor, which is not simulated.",
-    why="Gazebo spawns it; it has no physics that wsgen could check.",
+    why="Gazebo spawns it; wsgen does not simulate lights and actors.",
     example='<sdf version="1.9">\n  <light name="lamp" type="point"/>\n</sdf>',
-    instead="Nothing needs to be done.",
+    instead="No action is needed.",
 )
 
 SPAWNED_WORLD = Rule(
     code="WLD043",
     name="spawned-world",
     severity=Severity.ERROR,
-    summary="A launch file spawns a world; spawners take models.",
+    summary="A launch file spawns a world, but spawners only accept models.",
     why="The spawner of Gazebo refuses a file whose root contains a `<world>`.",
     example="arguments=['-file', 'worlds/field.sdf', '-name', 'field']",
     instead="launch_arguments={'gz_args': '-r worlds/field.sdf'}.items()",
@@ -108,8 +109,8 @@ NESTED_STATIC_MODEL = Rule(
     name="nested-static-model",
     severity=Severity.WARNING,
     summary="A static model is nested in a model that can move.",
-    why="Gazebo holds the inner model still, which fixes the outer one to the world; the "
-    "simulation lets both move.",
+    why="Gazebo fixes the inner model, and thus the outer one, to the world; in wsgen's simulation "
+    "both move.",
     example='<model name="robot">\n  <model name="base">\n    <static>true</static>',
     instead='<model name="robot">\n  <static>true</static>\n  <model name="base">',
 )
@@ -228,10 +229,10 @@ class Contents:
         if inside.depth > DEEPEST:
             node.source.report(
                 TOO_MANY_MODELS,
-                f"The model `{node.name}` is nested in {around.depth} others; wsgen "
-                f"reads {DEEPEST}.",
+                f"The model `{node.name}` is nested in {around.depth} others; wsgen reads "
+                f"{DEEPEST} levels.",
                 at=element,
-                hint="Put the models side by side, and place them with relative_to.",
+                hint="Move the models to the same level, and place them with `relative_to`.",
             )
             return
         self._fill(inside, trail)
@@ -247,9 +248,10 @@ class Contents:
             ):
                 node.source.report(
                     UNKNOWN_FRAME,
-                    f"`{attribute}` of the model `{node.name}` names `{name}`, which is not in it.",
+                    f"`{attribute}` of the model `{node.name}` names `{name}`, which is not in the "
+                    "model.",
                     at=element,
-                    hint="Name a frame of this model.",
+                    hint="Write the name of a frame of this model.",
                 )
 
     def _is_within_bounds(self, source: Source, element: Element) -> bool:
@@ -339,10 +341,10 @@ def _read_node(includes: Includes, node: Node, poses: Poses) -> SdfModel:
         if scope.is_static and not node.is_static and scope.element is not None:
             scope.source.report(
                 NESTED_STATIC_MODEL,
-                f"The static model `{scope.name}` is nested in a model that can move: Gazebo holds "
-                "it still, the simulation lets it move.",
+                f"The static model `{scope.name}` is nested in a movable model: Gazebo fixes it to "
+                "the world, but in the simulation it moves.",
                 at=scope.element,
-                hint="Make the outer model static, or put the inner one beside it.",
+                hint="Make the outer model static, or move the inner one out of it.",
             )
     return SdfModel(
         name=node.name,
@@ -402,7 +404,7 @@ def _report_left_out(world: Scope) -> None:
             MODEL_LEFT_OUT,
             f"The {element.tag} {element.get('name') or ''} of the world is not simulated.",
             at=element,
-            hint="The robots are simulated without it.",
+            hint="No action is needed: Gazebo simulates it, wsgen simulates the robots without it.",
             reason=NOT_SIMULATED,
         )
 
@@ -501,9 +503,9 @@ def _read_spawned(source: Source, includes: Includes, pose: Pose | None) -> SdfF
     if light is not None and next(children(source.root, "world", "model"), None) is None:
         source.report(
             SPAWNED_LIGHT,
-            f"The spawned file contains only a {light.tag}, which is not simulated.",
+            f"The spawned file contains only a {light.tag}, which wsgen does not simulate.",
             at=light,
-            hint="Nothing needs to be done.",
+            hint="No action is needed.",
         )
         return None
     element = _selected(source)
@@ -512,7 +514,7 @@ def _read_spawned(source: Source, includes: Includes, pose: Pose | None) -> SdfF
     if element.tag == "world":
         source.report(
             SPAWNED_WORLD,
-            f"The world `{element.get('name') or ''}` is spawned, but spawners take models.",
+            f"The world `{element.get('name') or ''}` is spawned, but spawners only accept models.",
             at=element,
             hint="Start the simulator with the world, and spawn a file of <sdf><model>.",
         )
@@ -546,7 +548,7 @@ def _selected(source: Source) -> Element | None:
             f"The file has {len(found)} worlds and models; "
             f"only the {first.tag} `{first.get('name')}` is read.",
             at=next(element for element in found if element is not first),
-            hint="Put several models into one world, or each into its own file.",
+            hint="Move all models into one world, or each into a separate file.",
             severity=Severity.ERROR if first.tag == "model" else Severity.WARNING,
         )
     return first

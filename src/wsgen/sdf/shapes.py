@@ -70,9 +70,9 @@ FRAME_IGNORED = Rule(
     code="WLD020",
     name="frame-ignored",
     severity=Severity.WARNING,
-    summary="The pose of a shape or an inertia is relative to another frame than that of its link.",
-    why="The simulation reads such a pose as relative to the link, so the shape or the center of "
-    "mass is elsewhere than in Gazebo.",
+    summary="The pose of a shape or an inertia is not relative to its link.",
+    why="`wsgen` reads such a pose as relative to the link, so that the shape or center of mass "
+    "is not where it is in Gazebo.",
     example='<visual name="visual">\n  <pose relative_to="arm_joint">0 0 0.1 0 0 0</pose>',
     instead='<visual name="visual">\n  <pose>0 0 0.3 0 0 0</pose>',
 )
@@ -81,10 +81,10 @@ SHAPE_LEFT_OUT = Rule(
     code="WLD031",
     name="shape-left-out",
     severity=Severity.WARNING,
-    summary="A shape is left out of the simulation because no engine of wsgen has it.",
+    summary="A shape of an unsupported type is not simulated.",
     what="Looks for `<image>`, for heightmaps from elevation data (only PNG and JPEG are read) "
     "and for planes in models that can move.",
-    why="Robots fall through what is left out, although Gazebo has the shape.",
+    why="Gazebo has the shape, but in the simulation robots fall through it.",
     example="<heightmap>\n  <uri>model://hill/dem.tif</uri>\n</heightmap>",
     instead="<heightmap>\n  <uri>model://hill/hill.png</uri>\n  <size>100 100 10</size>\n"
     "</heightmap>",
@@ -95,11 +95,11 @@ GEOMETRY_OUT_OF_RANGE = Rule(
     name="geometry-out-of-range",
     severity=Severity.ERROR,
     severity_varies="a warning for the `<size>` of a plane, which is only visible",
-    summary="A value of a `<geometry>` is outside of the range that engines can use.",
+    summary="A value of a `<geometry>` is outside the range of physics engines.",
     what="Sizes must be at most 1e9 m, the `<sampling>` of a heightmap 1 to 16, and the "
     "`<normal>` of a plane not 0 0 0.",
-    why="Gazebo's physics engine ends the program on some of these shapes, and others need more "
-    "memory than a computer has.",
+    why="Gazebo's physics engine terminates the program on some of these shapes; others need too "
+    "much memory.",
     example="<plane>\n  <normal>0 0 0</normal>\n</plane>",
     instead="<plane>\n  <normal>0 0 1</normal>\n</plane>",
 )
@@ -110,8 +110,8 @@ MISSING_HEIGHTMAP = Rule(
     severity=Severity.ERROR,
     severity_varies="a warning for a `<visual>`",
     summary="The image file of a heightmap does not exist.",
-    why="Gazebo prints an error and leaves out the terrain: robots fall through it. A file that "
-    "exists in the source folder also has to be installed.",
+    why="Gazebo prints an error and does not create the terrain: robots fall. A file in the source "
+    "folder must also be installed.",
     example="<heightmap>\n  <uri>model://hill/Hill.png</uri>\n</heightmap>",
     instead="<heightmap>\n  <uri>model://hill/hill.png</uri>\n</heightmap>",
 )
@@ -121,7 +121,7 @@ HEIGHTMAP_OFFSET = Rule(
     name="heightmap-offset",
     severity=Severity.WARNING,
     summary="The `<pos>` of a heightmap does not move its collision.",
-    why="Gazebo Sim moves only what is visible: robots drive above or below the visible terrain.",
+    why="Gazebo Sim moves only the visual: robots drive above or below the visible terrain.",
     example="<heightmap>\n  <uri>model://hill/hill.png</uri>\n  <pos>0 0 -2</pos>\n</heightmap>",
     instead="""<collision name="collision">
   <pose>0 0 -2 0 0 0</pose>
@@ -165,7 +165,8 @@ def read_extrusion(source: Source, shape: Element, link: str) -> Extrusion | Non
         if len(outline) < FEWEST_POINTS:
             source.report(
                 IMPOSSIBLE_SHAPE,
-                f"A polyline of the link `{link}` has {len(outline)} points and encloses no area.",
+                f"A polyline of the link `{link}` has {len(outline)} points and does not enclose "
+                "an area.",
                 at=polyline,
                 hint="Write a <point>x y</point> for each corner of the outline, at least three.",
             )
@@ -177,7 +178,7 @@ def read_extrusion(source: Source, shape: Element, link: str) -> Extrusion | Non
             IMPOSSIBLE_SHAPE,
             f"The polyline of the link `{link}` has {count:,} points; wsgen reads {MOST_POINTS:,}.",
             at=shape,
-            hint="Remove points that make no difference, or use a mesh.",
+            hint="Remove unnecessary points, or use a mesh.",
         )
         return None
     return Extrusion(outlines=tuple(outlines), height=height, line=line_of(shape))
@@ -198,8 +199,8 @@ def read_heightmap(
             f"The image `{uri}` of a {owner.tag} heightmap of the link `{link}` is "
             f"{instead_of_file(path)}{'' if path is None else f' ({path})'}.",
             at=shape,
-            hint="Check its spelling and capitals; wsgen looks for the folder of model://NAME in "
-            "GAZEBO_MODEL_PATH, GZ_SIM_RESOURCE_PATH and around this file.",
+            hint="Check its spelling and upper and lower case; wsgen looks for the folder of "
+            "model://NAME in GAZEBO_MODEL_PATH, GZ_SIM_RESOURCE_PATH and around this file.",
             severity=Severity.WARNING if owner.tag == "visual" else Severity.ERROR,
             reason=elsewhere(uri, path),
         )
@@ -208,7 +209,7 @@ def read_heightmap(
         source.report(
             SHAPE_LEFT_OUT,
             f"The heightmap `{uri}` ({owner.tag} of the link `{link}`) is not simulated: "
-            "it is not a PNG or JPEG, so Gazebo reads elevation data in it, which wsgen cannot.",
+            "it is not a PNG or JPEG, and wsgen cannot read elevation data.",
             at=shape,
             hint="Convert it to a grayscale PNG (gdal_translate -ot UInt16 -scale), and write its "
             "<size> in meters.",
@@ -218,10 +219,10 @@ def read_heightmap(
     if owner.tag == "collision" and any(pos):
         source.report(
             HEIGHTMAP_OFFSET,
-            "The <pos> of this heightmap moves only its visual: the physics of Gazebo Sim and the "
-            "simulation leave the collision where it is.",
+            "The <pos> of this heightmap moves only its visual: Gazebo Sim and the simulation do "
+            "not move the collision.",
             at=shape,
-            hint="Move it with the <pose> of the collision and of the visual.",
+            hint="Use the <pose> of the collision and of the visual instead.",
         )
     return Heightmap(
         uri=uri,
@@ -241,7 +242,7 @@ def _read_sampling(source: Source, shape: Element) -> int:
         GEOMETRY_OUT_OF_RANGE,
         f"The sampling of this heightmap is {sampling:g}, not 1 to {FINEST}.",
         at=shape,
-        hint="Write the number of steps of the surface from one pixel to the next: 1 or 2.",
+        hint="Write the number of samples per pixel: 1 or 2.",
     )
     return 1
 
@@ -253,7 +254,7 @@ def is_sized(source: Source, shape: Element, sizes: tuple[float, ...]) -> bool:
     if shape.tag == "box" and min(sizes) == 0 and max(sizes) <= FARTHEST:
         source.report(
             ZERO_SIZE,
-            "A size of this box is 0: it is left out of the simulation.",
+            "A size of this box is 0: it is not simulated.",
             at=shape,
             hint=MAKE_IT_THICK,
             severity=Severity.WARNING,
@@ -263,8 +264,8 @@ def is_sized(source: Source, shape: Element, sizes: tuple[float, ...]) -> bool:
         _size_rule(sizes),
         f"A size of this {shape.tag} is not between 0 and {FARTHEST:g} m.",
         at=shape,
-        hint="Give every length, radius and scale a sensible number of meters: Gazebo's "
-        "physics engine ends the program on most shapes without extent.",
+        hint="Write every length, radius and scale as a positive number (m): Gazebo's physics "
+        "engine terminates the program on most shapes without extent.",
     )
     return False
 
@@ -410,7 +411,7 @@ class ShapeReader:
                     DUPLICATE_SDF_NAME,
                     f"Two {tag}s of the link `{self.link}` have the name `{name}`.",
                     at=element,
-                    hint="Give each its own name; otherwise Gazebo Sim refuses the file.",
+                    hint="Give each a different name; otherwise Gazebo Sim refuses the file.",
                 )
             seen.add(name)
         return list(children(link, tag))
@@ -433,9 +434,9 @@ class ShapeReader:
         if shape is None:
             self.source.report(
                 NO_SHAPE,
-                f"This {owner.tag} of the link `{self.link}` has no known shape.",
+                f"This {owner.tag} of the link `{self.link}` does not have a known shape.",
                 at=owner if geometry is None else geometry,
-                hint=f"Put one of {', '.join(f'<{name}>' for name in KNOWN)} into <geometry>.",
+                hint=f"Write one of {', '.join(f'<{name}>' for name in KNOWN)} in <geometry>.",
                 severity=Severity.WARNING,
             )
             return None
@@ -444,8 +445,8 @@ class ShapeReader:
         if shape.tag in LEFT_OUT:
             self.source.report(
                 SHAPE_LEFT_OUT,
-                f"The {shape.tag} ({owner.tag} of the link `{self.link}`) is left out of the "
-                "simulation: no engine of wsgen has this shape.",
+                f"The {shape.tag} ({owner.tag} of the link `{self.link}`) is not simulated: the "
+                "engines of wsgen do not support this shape.",
                 at=shape,
                 hint="Use boxes, spheres, cylinders, capsules or a mesh.",
             )
@@ -563,8 +564,8 @@ def read_planes(node: Node, link_in_world: Pose, includes: Includes) -> Planes:
         elif not is_static:
             source.report(
                 SHAPE_LEFT_OUT,
-                f"The plane of the link `{node.name}` is not simulated: Gazebo's planes "
-                "are endless, and only static ones can be simulated.",
+                f"The plane of the link `{node.name}` is not simulated: planes are infinite in "
+                "Gazebo, and only static ones can be simulated.",
                 at=shape,
                 hint="Make the model static, or use a thin box as a plate.",
             )
@@ -600,7 +601,7 @@ def _upward(source: Source, owner: Element, shape: Element) -> Pose | None:
     if not 0 < length < math.inf:
         source.report(
             GEOMETRY_OUT_OF_RANGE,
-            "The normal of this plane has no direction.",
+            "The normal of this plane has length 0.",
             at=shape,
             hint="Write <normal>0 0 1</normal> for a level plane.",
         )
@@ -641,7 +642,7 @@ def _size(source: Source, shape: Element) -> tuple[float, float] | None:
         _size_rule(numbers),
         f"The size of this plane is not between 0 and {FARTHEST:g} m.",
         at=shape,
-        hint="Give both edges of the visible part a sensible number of meters.",
+        hint="Write both edge lengths of the visible part in meters.",
         severity=Severity.WARNING,
     )
     return None

@@ -164,9 +164,9 @@ DECLARED_ENTITIES = Rule(
     code="WLD046",
     name="declared-entities",
     severity=Severity.ERROR,
-    summary="An SDF file declares XML entities and uses them.",
-    why="Gazebo's XML parser knows no entities but the five of XML: it fails, or reads the "
-    "reference as text where a number is expected.",
+    summary="An SDF file uses XML entities that it declares.",
+    why="Gazebo's XML parser knows only the five predefined entities: it fails, or reads the "
+    "reference as text where it expects a number.",
     example="""<!DOCTYPE sdf [<!ENTITY radius "0.1">]>
 <sdf version="1.9">
   ...
@@ -182,8 +182,8 @@ NO_SDF_VERSION = Rule(
     severity=Severity.ERROR,
     summary="`<sdf>` has no version, or one that is not a number.",
     what="Looks for a version of the form `MAJOR.MINOR`, as in 1.9.",
-    why="Gazebo refuses the file: the version says what its elements mean, and how it is "
-    "converted to the current one.",
+    why="Gazebo refuses the file: the version determines the meaning of the elements, and their "
+    "conversion to the current version.",
     example="<sdf>",
     instead='<sdf version="1.6">',
 )
@@ -193,8 +193,8 @@ UNKNOWN_SDF_VERSION = Rule(
     name="unknown-sdf-version",
     severity=Severity.WARNING,
     summary="The SDF version is older or newer than the versions that wsgen knows.",
-    what="Knows SDF 1.3 to 1.12. A file of another version is read as the nearest of these.",
-    why="Gazebo converts from the versions that it knows, and refuses or misreads others: Gazebo "
+    what="`wsgen` knows SDF 1.3 to 1.12. It reads other versions as the nearest of these.",
+    why="Gazebo converts the versions that it knows, and refuses or misreads others: Gazebo "
     "Classic 11 reads up to 1.7, Fortress 1.9, Harmonic 1.11, Ionic and Jetty 1.12.",
     example='<sdf version="2.0">',
     instead='<sdf version="1.9">',
@@ -241,7 +241,7 @@ def read_document(content: str | bytes) -> Document:
     if "<!ENTITY" in text and (used := re.search(ENTITY, text)):
         problem = Problem(
             DECLARED_ENTITIES,
-            "The file declares XML entities and uses them; Gazebo's parser does not know them.",
+            "The file uses XML entities that it declares; Gazebo's parser does not know them.",
             text.count("\n", 0, used.start()) + 1,
             "Write the values instead of the entities.",
         )
@@ -284,13 +284,13 @@ def _decoded(data: bytes) -> tuple[str | None, tuple[Problem, ...]]:
         return None, (Problem(NOT_UTF_8, message, 1, save_as_utf8(wide)),)
     if b"\0" in data:
         message = "The file is not a text file: it contains null bytes."
-        return None, (Problem(NOT_UTF_8, message, 1, "Name a text file in UTF-8."),)
+        return None, (Problem(NOT_UTF_8, message, 1, "Give a text file in UTF-8."),)
     try:
         return data.decode("utf-8"), ()
     except UnicodeDecodeError as error:
         problem = Problem(
             NOT_UTF_8,
-            "The file is not encoded in UTF-8, as which Gazebo reads it.",
+            "The file is not encoded in UTF-8, but Gazebo reads it as UTF-8.",
             data.count(b"\n", 0, error.start) + 1,
             save_as_utf8("ISO-8859-1"),
         )
@@ -433,13 +433,13 @@ def _read(file: Path) -> bytes | Diagnostic:
         return UNREADABLE_DESCRIPTION.at(
             file,
             message=f"The SDF file cannot be read: {_reason(error)}.",
-            hint="Is its folder in an install(DIRECTORY ...) rule of CMakeLists.txt? "
-            "Then build again with `wsgen build`.",
+            hint="Check that an install(DIRECTORY ...) rule of CMakeLists.txt installs its folder, "
+            "then run `wsgen build`.",
         )
     return UNREADABLE_DESCRIPTION.at(
         file,
         message=f"The SDF file cannot be read: it is {kind}.",
-        hint="Name the .sdf or .world file itself.",
+        hint="Give the .sdf or .world file itself.",
     )
 
 
@@ -447,7 +447,7 @@ def _too_large(file: Path | None) -> Diagnostic:
     return OVERSIZED_FILE.at(
         file,
         message=f"The file has more than {SIZE_LIMIT} bytes, the most that wsgen reads.",
-        hint="Put repeated parts into a model and include it.",
+        hint="Move repeated parts to a model, and include it.",
     )
 
 

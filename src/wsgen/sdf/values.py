@@ -50,7 +50,7 @@ def read_numbers(
         f"{'' if limit == math.inf else f' up to {limit:g}'}, "
         f"not {' '.join(words)[:60] or 'nothing'!r}.",
         at=element,
-        hint="Separate numbers by blanks, and write decimals with a point.",
+        hint="Separate numbers by blanks, and use a decimal point.",
     )
     return None
 
@@ -114,7 +114,7 @@ def read_pose(source: Source, owner: Element) -> tuple[Pose, str]:
             NOT_A_NUMBER,
             f"`{form}` is not a rotation format.",
             at=element,
-            hint=f"One of {' and '.join(ROTATIONS)}.",
+            hint=f"Use {' or '.join(ROTATIONS)}.",
         )
         return IDENTITY, frame
     numbers = read_numbers(source, element, ROTATIONS[form], limit=FARTHEST)

@@ -28,9 +28,9 @@ NO_GROUND = Rule(
     code="WLD006",
     name="no-ground",
     severity=Severity.WARNING,
-    summary="The world has no ground plane.",
+    summary="The world does not have a ground plane.",
     what="Looks for a level plane at z = 0, or any other static model with a collision.",
-    why="A robot that is spawned into such a world falls without end.",
+    why="A robot that is spawned into such a world falls forever.",
     example='<world name="w">\n</world>',
     instead='<world name="w">\n'
     "  <include>\n"
@@ -43,11 +43,11 @@ IMPOSSIBLE_STEP = Rule(
     code="WLD007",
     name="impossible-step",
     severity=Severity.ERROR,
-    severity_varies="a warning for a long or a short one, with which Gazebo runs",
+    severity_varies="a warning for a long or short step, with which Gazebo still runs",
     summary="The physics step is not positive, longer than 20 ms or shorter than 10 µs.",
-    why="With long steps the engine misses contacts and becomes unstable; with short ones each "
-    "second takes minutes. Without a positive step no time passes, nor in Gazebo Sim with one of "
-    "less than a nanosecond, which it counts as 0.",
+    why="With long steps the engine misses contacts and becomes unstable; with short steps each "
+    "second takes minutes. With a step of 0 or less, time does not pass; Gazebo Sim reads a step "
+    "below one nanosecond as 0.",
     example="<physics>\n  <max_step_size>0.1</max_step_size>\n</physics>",
     instead="<physics>\n  <max_step_size>0.001</max_step_size>\n</physics>",
 )
@@ -57,7 +57,7 @@ NO_DOWNWARD_GRAVITY = Rule(
     name="no-downward-gravity",
     severity=Severity.WARNING,
     summary="The gravity of the world does not point down.",
-    why="Robots float or fly away. It is right for robots in space, and a wrong sign otherwise.",
+    why="Robots float or fly away. This is right in space; otherwise the sign is usually wrong.",
     example="<gravity>0 0 9.8</gravity>",
     instead="<gravity>0 0 -9.8</gravity>",
 )
@@ -155,7 +155,7 @@ def check_ground(source: Source, element: Element, world: World) -> None:
     if not world.has_ground_plane and not any(map(carries, world.plugins)):
         source.report(
             NO_GROUND,
-            "The world has no ground plane: robots that are spawned into it fall.",
+            "The world does not have a ground plane: robots that are spawned into it fall.",
             at=element,
             hint=GROUND_OF_GZ
             if any(map(is_of_gz, world.plugins))
@@ -167,7 +167,7 @@ def check_ground(source: Source, element: Element, world: World) -> None:
 GROUND_OF_GZ = (
     'Add <model name="ground_plane"><static>true</static><link name="link">'
     '<collision name="collision"><geometry><plane><normal>0 0 1</normal><size>100 100</size>'
-    "</plane></geometry></collision></link></model> to the world, with a <visual> like it."
+    "</plane></geometry></collision></link></model> to the world, with a similar <visual>."
 )
 
 
@@ -180,10 +180,10 @@ def _gravity(source: Source, world: Element) -> tuple[float, float, float]:
             if numbers[2] >= 0:
                 source.report(
                     NO_DOWNWARD_GRAVITY,
-                    "Gravity does not pull down in this world: it is "
+                    "The gravity of this world does not point down: it is "
                     f"{numbers[0]:g} {numbers[1]:g} {numbers[2]:g} m/s².",
                     at=element,
-                    hint="Write <gravity>0 0 -9.8</gravity> for that of Earth.",
+                    hint="Write <gravity>0 0 -9.8</gravity> for the gravity of Earth.",
                 )
             return (numbers[0], numbers[1], numbers[2])
     return DEFAULT_WORLD.gravity
@@ -202,12 +202,12 @@ def _step(source: Source, world: Element) -> float:
                     f"The physics step of {numbers[0]:g} s is not between {SHORTEST_STEP:g} and "
                     f"{LONGEST_STEP:g} s"
                     + (
-                        f"; the simulation here takes {DEFAULT_WORLD.step:g} s."
+                        f"; wsgen simulates with {DEFAULT_WORLD.step:g} s."
                         if runs
-                        else ": no time passes in Gazebo Sim."
+                        else ": time does not pass in Gazebo Sim."
                     ),
                     at=element,
-                    hint="Use Gazebo's default, 0.001.",
+                    hint="Write Gazebo's default, 0.001.",
                     severity=Severity.WARNING if runs else None,
                 )
     return DEFAULT_WORLD.step

@@ -196,7 +196,7 @@ class BulletEngine:
         if parts > MOST_LINKS:
             return Refused(
                 f"it has {parts} links with different friction; PyBullet takes {MOST_LINKS}",
-                hint="Install MuJoCo, which takes any number: pip install 'wsgen[mujoco]'",
+                hint="Install MuJoCo, which has no limit: pip install 'wsgen[mujoco]'",
             )
         bodies: list[tuple[BulletBody, Pose]] = []
         try:

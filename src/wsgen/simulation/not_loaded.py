@@ -18,10 +18,10 @@ ENGINE_NOT_LOADED = Rule(
     code="SPN097",
     name="engine-not-loaded",
     severity=Severity.ERROR,
-    summary="The library of the physics engine is installed and cannot be loaded.",
-    what="Imports the engine in the child process that simulates. `wsgen doctor` does the same.",
-    why="An engine may need a library of the system that a machine without a desktop lacks. No "
-    "robot is to blame.",
+    summary="The library of the physics engine is installed but cannot be loaded.",
+    what="Imports the engine in the simulation process, as `wsgen doctor` does.",
+    why="An engine may need a system library that is missing on a machine without a desktop. The "
+    "robot is not the cause.",
     example="wsgen validate robot.urdf --engine dart  # in a container without libGL.so.1",
     instead="sudo apt install libgl1",
 )

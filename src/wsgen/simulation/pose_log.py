@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 POSE_LOG_FILE = "poses.jsonl"  # in the folder of a live run
-NO_ROBOT = "the run ended before the simulator had a robot"  # why it has no poses
+NO_ROBOT = "the run ended before a robot was spawned"  # why it has no poses
 RATE = 10.0  # frames a simulated second
 DIGITS = 5  # of m and rad
 

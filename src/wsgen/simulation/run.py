@@ -44,14 +44,11 @@ ENGINE_DIED = Rule(
     severity=Severity.ERROR,
     summary="The physics engine crashed, hung or ran out of memory.",
     what=(
-        "Simulates in a separate process, whose CPU time and memory are limited. The other "
-        "robots are simulated again without the one that the engine died of."
+        "Simulates in a separate process with limited CPU time and memory. The other robots are "
+        "simulated again without the one that crashed the engine."
     ),
-    why=(
-        "Nothing can be said about how such a robot behaves, and what crashes one engine may crash "
-        "Gazebo, too."
-    ),
-    example="A mesh file whose faces name vertices that it does not have.",
+    why=("The robot has no result, and it may crash Gazebo, too."),
+    example="A mesh file with faces that refer to missing vertices.",
     instead="The same mesh, exported again; or a <box> in its place until it loads.",
 )
 
@@ -60,11 +57,10 @@ TOO_MANY_TRIANGLES = Rule(
     name="too-many-triangles",
     severity=Severity.ERROR,
     summary="The collision meshes of all models together are too large to simulate.",
-    what="Adds up the triangles of the collision meshes, each as often as models have it, and "
-    "simulates nothing where they are more than 6,000,000. MuJoCo has no such bound: it takes "
-    "those near the robots.",
-    why="PyBullet and DART load a mesh for each model that has it, and need 400 bytes for a "
-    "triangle: gigabytes for a wood of a hundred detailed trees.",
+    what="Adds up the triangles of the collision meshes of all models, and does not simulate more "
+    "than 6,000,000. MuJoCo does not have this limit: it loads only triangles near the robots.",
+    why="PyBullet and DART load a mesh for each model that uses it, and need 400 bytes per "
+    "triangle: gigabytes for a forest of a hundred detailed trees.",
     example="A world with 100 models of a tree whose <collision> has 120,000 triangles.",
     instead="The same world, with a <cylinder> as the <collision> of each tree.",
 )
@@ -74,7 +70,7 @@ ENGINE_REFUSED = Rule(
     name="engine-refused",
     severity=Severity.ERROR,
     summary="The physics engine does not load the robot.",
-    why="A robot that does not load cannot be simulated; the message says what the engine lacks.",
+    why="The robot is not simulated; the message names the reason.",
     example="A robot of more than 128 links, where PyBullet is the only engine.",
     instead="pip install 'wsgen[mujoco]'",
 )
@@ -85,11 +81,11 @@ ENGINE_WARNING = Rule(
     severity=Severity.WARNING,
     summary="The physics engine printed a warning.",
     why=(
-        "Engines go on where they cannot use a part of a robot, and only print it: a mesh without "
-        "points, for example, touches nothing."
+        "Engines continue without a part that they cannot use, and only print a warning: a mesh "
+        "without points, for example, has no contacts."
     ),
     example="A collision mesh without faces.",
-    instead="A mesh that holds what the engine says is missing.",
+    instead="A mesh with the parts that the engine reports as missing.",
 )
 
 NO_PICTURE = Rule(
@@ -98,7 +94,7 @@ NO_PICTURE = Rule(
     severity=Severity.ERROR,
     summary="A picture cannot be drawn or written.",
     what="The simulation itself is not affected.",
-    why="The file that was asked for, for example to publish it, is missing.",
+    why="The requested file is missing.",
     example="A visual mesh on which the renderer crashes.",
     instead="The same mesh, exported again.",
 )
@@ -109,7 +105,7 @@ NO_VIDEO = Rule(
     severity=Severity.ERROR,
     summary="A video cannot be recorded or written.",
     what="The simulation itself is not affected.",
-    why="The file that was asked for, for example to publish it, is missing.",
+    why="The requested file is missing.",
     example="A visual mesh on which the renderer crashes.",
     instead="The same mesh, exported again.",
 )
@@ -119,7 +115,8 @@ COARSE_VIDEO = Rule(
     name="coarse-video",
     severity=Severity.INFO,
     summary="A video has a lower resolution or frame rate than usual.",
-    what="Happens where drawing all frames would take more than about 16 s of CPU time.",
+    what="Reports a video for which drawing all frames would take more than about 16 s of CPU "
+    "time.",
     why="Fast motion and small parts are hard to see in such a video.",
     example="wsgen validate my_robot --record robot.gif --seconds 60",
     instead="wsgen validate my_robot --record robot.gif --seconds 5",
@@ -209,13 +206,13 @@ def _too_many_triangles(scene: Scene) -> Diagnostic | None:
     largest = sorted(uses, key=lambda mesh: -uses[mesh] * mesh[1])[:LARGEST_MESHES]
     named = "; ".join(
         f"`{uri}` has {triangles:,}"
-        + (f" and is there {uses[uri, triangles]} times" if uses[uri, triangles] > 1 else "")
+        + (f" and is used {uses[uri, triangles]} times" if uses[uri, triangles] > 1 else "")
         for uri, triangles in largest
     )
     return TOO_MANY_TRIANGLES.at(
         None,
-        message=f"The collision meshes of all models have {total:,} triangles, more than the "
-        f"{MOST_TRIANGLES:,} that {ENGINE_NAMES[scene.engine]} is given: {named}.",
+        message=f"The collision meshes of all models have {total:,} triangles, more than the limit "
+        f"of {MOST_TRIANGLES:,} for {ENGINE_NAMES[scene.engine]}: {named}.",
         hint="Use boxes or cylinders for these collisions, or meshes of some hundred triangles.",
     )
 
@@ -260,13 +257,13 @@ def explain_death(scene: Scene, death: Died) -> Diagnostic:
     words = _without_greetings(death.output)[-LAST_OUTPUT:]
     said = f" Its last output: {words}" if words else ""
     hint = (
-        "The engine cannot handle something in the description: look at collision meshes, "
-        "sizes and masses first, and remove links until it runs."
+        "Check collision meshes, sizes and masses first, and remove links until the simulation "
+        "runs: the engine cannot handle a part of the description."
     )
     if death.cause == "cpu time" and death.step.startswith("simulating"):
         hint = (
-            "Contacts take most of the time: use boxes or meshes with fewer triangles for "
-            "collisions, spawn the robot above the ground, or try another engine (--engine)."
+            "Use boxes or meshes with fewer triangles for collisions, spawn the robot above the "
+            "ground, or use another engine (--engine): contacts take most of the time."
         )
     return ENGINE_DIED.at(
         None,
@@ -301,8 +298,8 @@ def _no_picture(what: str, problem: str) -> Diagnostic:
     return NO_PICTURE.at(
         None,
         message=f"Cannot draw the {what}: {problem}.",
-        hint="Check the visual meshes and that the directory is writable, or leave --picture "
-        "and --html out: the simulation itself is not affected.",
+        hint="Check the visual meshes and that the directory is writable, or omit --picture and "
+        "--html: the simulation itself is not affected.",
     )
 
 
@@ -315,15 +312,13 @@ def no_video(problem: str, hint: str | None = None) -> Diagnostic:
     if missing is not None:
         return NO_VIDEO.at(
             None,
-            message=f"Cannot record a video: this takes {missing.name}, which the system lacks.",
+            message=f"Cannot record a video: {missing.name} is not installed on this system.",
             hint=f"{missing.advice}; or record a .gif.",
         )
     return NO_VIDEO.at(
         None,
         message=f"Cannot record a video: {problem}.",
-        hint=hint
-        or "Name a .gif in a writable directory, or leave --record out: the simulation itself is "
-        "not affected.",
+        hint=hint or "Record a .gif to a writable directory, or omit --record.",
     )
 
 
@@ -349,7 +344,8 @@ def _warnings(scene: Scene, output: str) -> Iterator[Diagnostic]:
             None,
             element=_entities(scene),
             message=f"The physics engine warned: {words[:LAST_OUTPUT]}",
-            hint="The simulation went on; what the engine names may be missing from it.",
+            hint="Check the part that the engine names: the simulation continued, perhaps without "
+            "it.",
         )
 
 

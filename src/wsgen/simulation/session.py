@@ -238,7 +238,8 @@ class Session(contextlib.AbstractContextManager["Session"]):
         """
         if entity not in self._measured:
             raise RequestError(
-                f"The way of `{entity}` is not measured.", hint="Call `measure` first."
+                f"The distance traveled by `{entity}` is not measured.",
+                hint="Call `measure` first.",
             )
         doing = f"measuring where `{entity}` is"
         return self._call("moved", entity, doing=doing, kind=tuple[float, float, float])
@@ -307,7 +308,7 @@ class Session(contextlib.AbstractContextManager["Session"]):
         """The robot of that name, which the engine has."""
         if entity not in self.loaded:
             raise RequestError(
-                f"The engine simulates no robot `{entity}`.",
+                f"The engine does not simulate a robot `{entity}`.",
                 hint=f"{ask_for_nearest(entity, self.loaded)}"
                 f"Robots: {', '.join(self.loaded) or 'none'}.",
             )

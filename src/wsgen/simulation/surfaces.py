@@ -49,7 +49,10 @@ def triangles_of(mesh: Mesh) -> NDArray[np.float64]:
     except (BrokenMeshError, OSError) as problem:
         raise UnreadError(f"it cannot read the mesh {mesh.path}: it {problem}") from None
     if not len(corners) or not np.isfinite(corners).all():
-        raise UnreadError(f"it cannot use the mesh {mesh.path}: it has no triangles, or far ones")
+        raise UnreadError(
+            f"it cannot use the mesh {mesh.path}: it has no triangles, or triangles "
+            "that are too far away"
+        )
     return corners
 
 

@@ -339,7 +339,7 @@ def _read_geometry(collector: Collector, owner: Element, path: str) -> Geometry 
             "The geometry is empty."
             if shape is None
             else f"URDF does not have a shape <{shape.tag}>.",
-            hint=f"Put one of {', '.join(f'<{name}>' for name in SHAPES)} into it.",
+            hint=f"Write one of {', '.join(f'<{name}>' for name in SHAPES)} in it.",
             at=geometry,
             path=path,
             name=near or "",
@@ -506,7 +506,7 @@ def _used_color(
             UNDEFINED_MATERIAL,
             f"The material `{name}` is not defined.",
             hint=f'Add <material name="{name}"><color rgba="0.5 0.5 0.5 1"/></material> to the '
-            "robot; without it, simulators show their default color.",
+            "robot; without it, simulators use their default color.",
             at=material,
             path=path,
         )

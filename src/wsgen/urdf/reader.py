@@ -226,8 +226,8 @@ def _read_robot(collector: Collector, root: Element) -> Robot:
         collector.report_missing(
             NO_LINK,
             "The robot does not have a link.",
-            hint='Add <link name="base_link">. In a xacro file, a macro that is defined must also '
-            "be called.",
+            hint='Add <link name="base_link">. In a xacro file, also call the macros that define '
+            "links.",
             at=root,
             path="robot",
             name="link",

@@ -128,7 +128,7 @@ def _encoding(found: _Trace, _: _Sources) -> Explanation | None:
             **explanation,
             "message": f"the byte 0x{again.object[again.start]:02x} is not valid UTF-8",
             "line": again.object.count(b"\n", 0, again.start) + 1,
-            "hint": f"The file has another encoding, perhaps Latin-1. {save_as_utf8('ISO-8859-1')}",
+            "hint": f"The file is not in UTF-8, perhaps in Latin-1. {save_as_utf8('ISO-8859-1')}",
         }
     except OSError:
         pass
@@ -151,7 +151,7 @@ def _markup(found: _Trace, _: _Sources) -> Explanation | None:
         "element": None,
         "hint": mistake.hint
         if mistake
-        else "Look at this line and the one before it: tags, quotes, '&' and '<'.",
+        else "Check this line and the one before it: tags, quotes, '&' and '<'.",
     }
 
 
@@ -167,7 +167,7 @@ def _undeclared_prefix(file: Path, line: int) -> Explanation | None:
     address = XACRO if prefix == "xacro" else "ADDRESS"
     start = f'<{root[1]} xmlns:{prefix}="{address}"' + (f" {rest}>" if rest else ">")
     return {
-        "message": f"line {line} uses the prefix `{prefix}:`, and <{root[1]}> in line {root_line} "
+        "message": f"line {line} uses the prefix `{prefix}:`, but <{root[1]}> in line {root_line} "
         "does not declare it",
         "file": str(file),
         "line": root_line,
@@ -195,7 +195,10 @@ def _file(found: _Trace, _: _Sources) -> Explanation | None:
     folder, name = Path(path).parent, Path(path).name
     while not folder.is_dir() and folder != folder.parent:
         folder, name = folder.parent, folder.name
-    install = "Check the spelling. If it is right, let CMakeLists.txt install it, and build again."
+    install = (
+        "Check the spelling. If it is right, check that CMakeLists.txt installs the file, "
+        "and run `wsgen build`."
+    )
     is_include = getattr(found.node, "tagName", None) == "xacro:include"
     return {
         "message": f"{(error.strerror or 'cannot be read').lower()}: '{path}'",
@@ -213,7 +216,7 @@ def _package(found: _Trace, _: _Sources) -> Explanation | None:
     name = quoted[1] if quoted else text
     add = (
         f"Check the spelling. If it is right, add <exec_depend>{name}</exec_depend> to "
-        "package.xml, and build it in this workspace or install it."
+        "package.xml, and add the package to this workspace or install it."
     )
     return {
         "message": f"the package '{name}' is not found",
@@ -238,7 +241,7 @@ def _recursion(found: _Trace, _: _Sources) -> Explanation | None:
         return None
     return {
         "message": "infinite recursion: a macro calls itself, or a file includes itself",
-        "hint": "Put it into <xacro:if> with a condition that becomes false.",
+        "hint": "Wrap the call in <xacro:if> with a condition that becomes false.",
     }
 
 
@@ -275,7 +278,7 @@ def _command(found: _Trace, _: _Sources) -> Explanation | None:
     command = unknown[1].partition(" ")[0]
     known = re.findall(r"'(\w+)'", unknown[2])
     return {
-        "message": f"`$({_short(unknown[1])})`: xacro has no command `{command}`",
+        "message": f"`$({_short(unknown[1])})`: xacro does not know the command `{command}`",
         "hint": advice(command, known, f"Write one of {', '.join(known)}."),
     }
 
@@ -351,14 +354,14 @@ def _macro(found: _Trace, sources: _Sources) -> Explanation | None:
         ]
         return {
             "message": f'Invalid parameter "{wrong[1]}": the macro `{name}` has no such parameter',
-            "hint": advice(wrong[1], parameters, "Name one of the `params` of the macro."),
+            "hint": advice(wrong[1], parameters, "Use one of the `params` of the macro."),
         }
     return None
 
 
 def _unknown_macro(found: _Trace, sources: _Sources, name: str) -> Explanation:
     later = next(sources.defining("macro", name), None)
-    include = "Include the file that defines the macro, before its first use."
+    include = "Include the file that defines the macro before its first use."
     return {
         "message": f"unknown macro name: xacro:{name}",
         "hint": advice(name, (*OWN_ELEMENTS, *found.macros), include)
@@ -380,8 +383,7 @@ def _expression_or_value(found: _Trace, sources: _Sources) -> Explanation | None
     if text.startswith("circular variable definition"):
         return {
             "message": text.partition("\n")[0],
-            "hint": "The value of a property is computed where it is used: give one of them "
-            "another name.",
+            "hint": "Rename one of them: xacro evaluates a property where it is used.",
         }
     if found.expression is None:
         return None
@@ -399,7 +401,7 @@ def _text_for_number(found: _Trace, sources: _Sources) -> Explanation | None:
         f"{_quoted(found)}",
         "hint": f"Write {number}: with a decimal point."
         if _is_number(number)
-        else f"Give `{name}` a number.",
+        else f"Set `{name}` to a number.",
     }
     written = [
         (element, attribute)

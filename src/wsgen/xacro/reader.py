@@ -29,10 +29,8 @@ XACRO_FILE_FAILS = Rule(
     code="ROB071",
     name="xacro-file-fails",
     severity=Severity.ERROR,
-    summary="`xacro` cannot expand a file.",
-    why=(
-        "The file has no URDF: the launch file stops with the same error, and no robot is spawned."
-    ),
+    summary="`xacro` cannot expand the file.",
+    why=("The launch file stops with the same error, and the robot is not spawned."),
     example=(
         '<xacro:property name="radius" value="0,1"/>\n'
         '<cylinder radius="${radius / 2}" length="0.1"/>'
@@ -55,7 +53,7 @@ def expand_file(
     """
     outcome = _expand(file, arguments, environment, run)
     if isinstance(outcome, Died):
-        hint = outcome.hint("Look for an expression or a macro that never ends.")
+        hint = outcome.hint("Check the file for an endless recursion or a huge expression.")
         error = ExpansionError(message=f"Expanding the file {outcome.reason}", hint=hint)
         return None, (_diagnostic(file, error),)
     answer: Expansion | ExpansionError = decode(name_sources(outcome.value, environment), ANSWER)
@@ -101,9 +99,9 @@ def _expand(
 
 def _diagnostic(file: Path, error: ExpansionError) -> Diagnostic:
     message = error.message.rstrip(".")
-    hint = error.hint or "Arguments of the file are given with --arg name:=value."
+    hint = error.hint or "Set arguments of the file with --arg name:=value."
     if "AMENT_PREFIX_PATH" in message:
-        hint = "Build and source a workspace with the packages of $(find …)."
+        hint = "Build and source a workspace that contains the packages of $(find …)."
         message = "a package of $(find …) was not found: no workspace is sourced"
     return XACRO_FILE_FAILS.at(
         Path(error.file) if error.file else file,
