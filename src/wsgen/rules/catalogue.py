@@ -241,5 +241,5 @@ def unknown_rule_allowed(
                 line,
                 "validate.allow",
                 message=f"The allowed rule {name!r} does not exist.",
-                hint=did_you_mean(near) if near else "`wsgen rule` lists the names.",
+                hint=did_you_mean(near) if near else "Run `wsgen rule` to list the names.",
             )

@@ -296,7 +296,7 @@ def _claimed(  # noqa: PLR0913, PLR0917  a controller, and what it is compared w
                 place,
                 message=f"The controller `{name}` names the joint `{value.text}`, which the robot "
                 "does not have.",
-                hint=did_you_mean(near) if near else f"Joints: {some_of(names)}.",
+                hint=did_you_mean(near) if near else f"Name one of the joints: {some_of(names)}.",
                 severity=severity,
             )
     commands = [claim.command] if claim.command else _words(values.get(claim.interfaces))

@@ -245,7 +245,7 @@ def _spawn_at(spawn_z: float, rise: float, why: str, height: SpawnHeight | None)
         how = f"add '{height.option}', '{z}' to {height.holder}"
     else:
         how = f"add '{height.option}': '{z}' to {height.holder}"
-    return f"{'Raise' if rise > 0 else 'Lower'} it by {abs(rise):.3f} m {why}: {how}."
+    return f"{'Raise' if rise > 0 else 'Lower'} the robot by {abs(rise):.3f} m {why}: {how}."
 
 
 FALLS_WITHOUT_END = Rule(

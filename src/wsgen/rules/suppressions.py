@@ -121,7 +121,7 @@ def _check(one: Allowance, *, is_used: bool) -> Iterator[Diagnostic]:
             one.line,
             None if one.lines else "check.allow",
             message=f"The allowed rule {one.rule!r} does not exist.",
-            hint=did_you_mean(near) if near else "`wsgen rule` lists the names.",
+            hint=did_you_mean(near) if near else "Run `wsgen rule` to list the names.",
         )
     elif not one.reason:
         yield ALLOWED_WITHOUT_REASON.at(

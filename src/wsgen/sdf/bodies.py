@@ -276,8 +276,8 @@ def _check(
             f"The inertia of the link `{name}` is impossible: its principal moments are "
             f"{low:.4g}, {middle:.4g} and {high:.4g} kg m².",
             at=element,
-            hint="Each must be positive, and none larger than the other two together. Compute it "
-            "from mass and shape, or export it from CAD about the center of mass.",
+            hint="Compute it from mass and shape, or export it from CAD about the center of mass: "
+            "each moment must be positive, and none larger than the sum of the other two.",
         )
 
 

@@ -433,5 +433,5 @@ def _report_circle(node: Node) -> None:
         FRAME_CYCLE,
         f"The {node.kind} `{node.name}` is placed relative to itself, through other frames.",
         at=node.element,
-        hint="Break the circle: make one of the frames relative to the model.",
+        hint="Break the cycle: place one of the frames relative to the model.",
     )

@@ -320,11 +320,11 @@ def check_inertias(collector: Collector, robot: Robot) -> None:
             IMPOSSIBLE_INERTIA,
             f"The inertia of the link `{link.name}` is impossible: its principal moments are "
             f"{low:.4g}, {middle:.4g} and {high:.4g} kg m².",
-            hint="Each must be positive, and none larger than the other two together. Compute it "
-            "from mass and shape, or export it from CAD about the center of mass."
+            hint="Compute it from mass and shape, or export it from CAD about the center of mass: "
+            "each moment must be positive, and none larger than the sum of the other two."
             if filled is None
-            else "Each must be positive, and none larger than the other two together. If it is "
-            f"evenly filled: {as_attributes(filled)} (kg m², the products 0).",
+            else f"Write {as_attributes(filled)} (kg m², products 0) for a homogeneous body: each "
+            "moment must be positive, and none larger than the sum of the other two.",
             at=link.line,
             path=f"link[@name='{link.name}']/inertial/inertia",
             severity=Severity.ERROR if link.name in refused else Severity.WARNING,
