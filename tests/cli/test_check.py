@@ -70,7 +70,7 @@ def test_select_ignore_and_strict(robot: Path, capsys: pytest.CaptureFixture[str
     assert run("r.urdf", "--ignore", "ROB") == 0
     capsys.readouterr()
     assert run("r.urdf", "--ignore", "ROB999") == 2
-    assert "rule or family ROB999 does not exist" in capsys.readouterr().err
+    assert "rule or family 'ROB999' does not exist" in capsys.readouterr().err
     assert robot.exists()
 
 

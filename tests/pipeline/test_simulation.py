@@ -173,7 +173,7 @@ def test_the_worst_of_an_engine_is_reported() -> None:
     assert moving.message.startswith("In PyBullet and MuJoCo: ")
     assert "moves at 1.000 m/s" in moving.message
     assert (disagree.code, disagree.element) == ("SPN065", "a")
-    assert disagree.message.endswith("DART does not: in DART it comes to rest.")
+    assert disagree.message.endswith("DART differs: in DART it comes to rest.")
 
 
 def test_a_robot_on_a_hull_is_told_why_engines_disagree() -> None:

@@ -48,8 +48,8 @@ def test_a_template_without_mistakes(tmp_path: Path) -> None:
     ("path", "text", "line", "message"),
     [
         ("model/robot.xacro", "<robot>\n<link></robot>\n", 2, "is not well-formed XML"),
-        ("launch/other.launch.py", "def f(:\n", 1, "is not Python"),
-        ("config/x.toml", "a = \n", None, "is not TOML"),
+        ("launch/other.launch.py", "def f(:\n", 1, "is not valid Python"),
+        ("config/x.toml", "a = \n", None, "is not valid TOML"),
         ("package.xml", "<package>\n", 1, "package.xml is not well-formed XML"),
     ],
 )

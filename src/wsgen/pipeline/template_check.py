@@ -70,21 +70,21 @@ def check_written_files(package: Path) -> Iterator[Diagnostic]:
             try:
                 compile(file.read_bytes(), file.name, "exec", dont_inherit=True)
             except SyntaxError as error:
-                yield _malformed(file, "Python", error.msg, error.lineno)
+                yield _malformed(file, "valid Python", error.msg, error.lineno)
             except ValueError as error:  # a NUL in it
-                yield _malformed(file, "Python", str(error), None)
+                yield _malformed(file, "valid Python", str(error), None)
         elif file.suffix == ".toml":
             try:
                 tomlfile.load(file)
             except ValueError as error:
-                yield _malformed(file, "TOML", str(error), None)
+                yield _malformed(file, "valid TOML", str(error), None)
 
 
 def _malformed(file: Path, form: str, why: str, line: int | None) -> Diagnostic:
     return MALFORMED_RENDERED_FILE.at(
         file,
         line,
-        message=f"{file.name} is not valid {form}: {why}.",
+        message=f"{file.name} is not {form}: {why}.",
         hint="Fix the template; run `wsgen new -t FOLDER` to see the rendered file.",
     )
 
