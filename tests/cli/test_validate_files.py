@@ -90,7 +90,9 @@ def test_a_caster_that_hangs_too_high(tmp_path: Path) -> None:
     assert (code, right) == (0, [])
     (found,) = wrong
     assert "leans by 4.9 degrees. It rests on `caster`, `left`, `right`." in found["message"]
-    assert found["hint"].startswith("Upright, `caster` ends 30 mm above the lowest part")
+    assert found["hint"].startswith(
+        "If the robot is upright, `caster` is 30 mm above the lowest part"
+    )
 
 
 def test_a_robot_is_put_just_above_the_ground(tmp_path: Path) -> None:

@@ -75,7 +75,7 @@ def test_spawned_into_a_wall(built: Path, tmp_path: Path) -> None:
     assert code == 1
     assert errors(document)[0]["code"] == "SPN063"
     assert errors(document)[0]["element"] == "simple_robot"
-    assert "`simple_robot` is spawned inside the model `wall`" in errors(document)[0]["message"]
+    assert "`simple_robot` overlaps the model `wall`" in errors(document)[0]["message"]
 
 
 def test_what_lies_about_is_no_fault_of_the_robot(built: Path, tmp_path: Path) -> None:

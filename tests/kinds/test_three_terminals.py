@@ -17,7 +17,7 @@ def test_the_description_is_that_of_another_launch_file(tmp_path: Path) -> None:
     assert Path(row["launch_file"]).name == "spawn.launch.py"
     assert [robot["entity"] for robot in row["robots"]] == ["crate"]
     (told,) = [one for one in row["diagnostics"] if one["code"] == "LCH066"]
-    assert "that of crate_bot rsp.launch.py, which must be started too" in told["message"]
+    assert "crate_bot rsp.launch.py publishes the robot description" in told["message"]
     assert "SPN008" not in {one["code"] for one in row["diagnostics"]}
 
 
