@@ -226,6 +226,10 @@ def outcome_of_late(
     package = tmp_path / "src" / "late"
     (package / "launch").mkdir(parents=True)
     (package / "package.xml").write_text(MANIFEST)
+    (package / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.20)\nproject(late)\nfind_package(ament_cmake REQUIRED)\n"
+        "install(DIRECTORY launch DESTINATION share/${PROJECT_NAME})\nament_package()\n"
+    )
     (package / "launch" / "world.launch.py").write_text(LAUNCH)
     (package / "wsgen.toml").write_text(BEHAVIORS)
     monkeypatch.chdir(tmp_path)
@@ -294,7 +298,7 @@ def test_without_ros_a_package_whose_nodes_spawn_has_no_robot(
     (package,) = outcome_of_late(tmp_path, monkeypatch, Runs(NotFoundError("No ROS.", hint="-")))
     codes = {one.code: one.severity.value for one in package.diagnostics}
     assert codes["SPN102"] == "warning"
-    assert codes["PKG005"] == "warning"  # beside what is said of robots
+    assert codes["PKG005"] == "error"  # of wsgen check, too
     assert not package.passed
 
 
