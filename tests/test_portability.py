@@ -32,6 +32,7 @@ NO_MODULES = (
     "wsgen.build.colcon_child",
     "wsgen.launch_shim",
     "wsgen.launch.ros_packages",
+    "wsgen.launch.moveit_configs",  # of the same child
     # Processes of ROS, which has no wheels for Windows.
     "wsgen.ros_nodes",
     "wsgen.ros_shim",

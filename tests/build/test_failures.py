@@ -93,15 +93,15 @@ CMAKE_CASES = {
     ),
     "does not end an if()": (
         CMAKE.replace("install(", "if(UNIX)\nif(TRUE)\nendif()\ninstall("),
-        ("BLD011", 4, "if() in line 4 has no endif()", "Add endif()"),
+        ("BLD011", 4, "if() in line 4 is not closed by endif()", "Add endif()"),
     ),
     "does not end a loop in an if()": (
         CMAKE.replace("install(", "if(UNIX)\nforeach(x 1 2)\nendif()\ninstall("),
-        ("BLD011", 5, "has no endforeach() before endif() in line 6", "Add endforeach()"),
+        ("BLD011", 5, "is not closed by endforeach() before endif() in line 6", "Add endforeach()"),
     ),
     "ends an if() twice": (
         CMAKE.replace("install(", "if(UNIX)\nendif()\nendif()\ninstall("),
-        ("BLD011", 6, "endif() in line 6 ends no if()", "Remove endif()"),
+        ("BLD011", 6, "endif() in line 6 has no matching if()", "Remove endif()"),
     ),
     "calls ament_package twice": (
         CMAKE + "ament_package()\n",

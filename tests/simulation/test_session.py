@@ -73,7 +73,10 @@ def test_what_cannot_be_done_is_refused_before_it_is_told() -> None:
             (lambda: told.hold("e", {"lft": 1.0}), r"no movable joint `lft`.*\n.*`left`"),
             (lambda: told.set_motors("e", {"x": Motor(1.0, 1.0)}), "no movable joint `x`"),
             (lambda: told.push("e", (1.0, 0.0, 0.0), 1.0, "bse"), r"no link `bse`.*\n.*`base`"),
-            (lambda: told.push("x", (1.0, 0.0, 0.0), 1.0), r"no robot `x`(?s:.*)Robots: e\."),
+            (
+                lambda: told.push("x", (1.0, 0.0, 0.0), 1.0),
+                r"does not simulate a robot `x`(?s:.*)Robots: e\.",
+            ),
             (lambda: told.push("e", (1.0, 0.0), 1.0), "not three numbers"),  # type: ignore[arg-type]
             (lambda: told.push("e", (math.inf, 0.0, 0.0), 1.0), "A part of the force is inf, not"),
             (lambda: told.hold("e", {"left": math.nan}), "The position of `left` is nan, not"),
@@ -136,7 +139,7 @@ def test_a_robot_that_the_engine_refuses_is_left_out() -> None:
         assert told.refused["refused"].reason == "the script says so"
         assert not told.loaded
         assert not told.states
-        with pytest.raises(RequestError, match="no robot `refused`"):
+        with pytest.raises(RequestError, match="does not simulate a robot `refused`"):
             told.release("refused")
 
 

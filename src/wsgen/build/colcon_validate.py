@@ -110,7 +110,8 @@ def validate(context: Any) -> int:
     Path(args.build_base, "COLCON_IGNORE").touch()
     decorators = get_packages(args, recursive_categories=("run",))
     jobs: OrderedDict[str, Job] = OrderedDict()
-    folders = [str(decorator.descriptor.path) for decorator in decorators]
+    # Without `..`, and with the links that they are given by.
+    folders = [os.path.abspath(one.descriptor.path) for one in decorators]  # noqa: PTH100
     for decorator in decorators:
         if decorator.selected:
             package = decorator.descriptor

@@ -356,7 +356,7 @@ def word_block(opened: Call | None, closing: Call | None) -> tuple[str, str]:
         )
     assert closing is not None  # noqa: S101  one of them is there
     return (
-        f"{closing.command}() in line {closing.line} does not end a {closing.command[3:]}().",
+        f"{closing.command}() in line {closing.line} has no matching {closing.command[3:]}().",
         f"Remove {closing.command}(), or add {closing.command[3:]}() before the block.",
     )
 

@@ -268,8 +268,8 @@ def explain_death(scene: Scene, death: Died) -> Diagnostic:
     return ENGINE_DIED.at(
         None,
         element=_entities(scene),
-        message=f"The physics engine ({ENGINE_NAMES[scene.engine]}) {death.reason} while "
-        f"{death.step or 'it was starting'}.{said}",
+        message=f"The physics engine ({ENGINE_NAMES.get(scene.engine, scene.engine)}) "
+        f"{death.reason} while {death.step or 'it was starting'}.{said}",
         hint=death.hint(hint),
     )
 
