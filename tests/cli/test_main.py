@@ -253,7 +253,11 @@ def test_an_interrupt_ends_with_130(tmp_path: Path) -> None:
         (["validate", "--engine", "bulet"], "'bulet' is not one of", "Did you mean `bullet`?"),
         (["validate", "--engine", "both"], "'both' is not one of", "Did you mean `all`?"),
         (["check", "--format", "jsn"], "'jsn' is not one of", "Did you mean `json`?"),
-        (["check", "--select", "LHC020"], "name or code 'LHC020'.", "Did you mean `LCH020`?"),
+        (
+            ["check", "--select", "LHC020"],
+            "The rule or family 'LHC020' does not exist.",
+            "Did you mean `LCH020`?",
+        ),
         (["--bogus"], "wsgen has no option --bogus.", "wsgen --help"),
     ],
 )

@@ -114,7 +114,9 @@ def test_what_is_wrong_with_a_description_is_answered_and_shown_once(preparer: P
     assert len(preparer.shown) == 1  # type: ignore[attr-defined]
     assert preparer.prepare(NewEntity(text="hello")).problem
     assert preparer.prepare(NewEntity(text="")).problem
-    assert "not found" in preparer.prepare(NewEntity(model_uri="model://nothing")).problem
+    assert (
+        "not in the workspace" in preparer.prepare(NewEntity(model_uri="model://nothing")).problem
+    )
 
 
 @pytest.mark.parametrize("uri", ["crate", "model://crate"])

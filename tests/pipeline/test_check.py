@@ -1,6 +1,7 @@
 """What `wsgen check` reads, and which of it is reported."""
 
 import os
+import shutil
 from pathlib import Path
 
 import pytest
@@ -744,3 +745,15 @@ def test_a_robot_that_is_for_rviz_alone(tmp_path: Path) -> None:
     launch = package / "launch" / "start.launch.py"
     launch.write_text("def generate_launch_description(): ...  # starts ros_gz_sim\n")
     assert only(package, "dropped-link") == [("dropped-link", "error")]
+
+
+def test_two_packages_of_one_name(tmp_path: Path) -> None:
+    """colcon builds nothing then."""
+    package = write_package(tmp_path)
+    shutil.copytree(package, tmp_path / "src" / "copy")
+    found = [one for one in run(tmp_path).diagnostics if one.name == "duplicate-package"]
+    assert [one.severity.value for one in found] == ["error"]
+    assert "src/cart" in found[0].message
+    assert "src/copy" in found[0].message
+    (tmp_path / "src" / "copy" / "COLCON_IGNORE").touch()
+    assert not [one for one in run(tmp_path).diagnostics if one.name == "duplicate-package"]

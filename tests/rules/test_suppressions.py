@@ -46,6 +46,19 @@ def test_settings_allow_in_the_package_or_in_some_of_its_files() -> None:
     assert [one.name for one in kept.reported] == ["no-visual", "unused-allowance"]
 
 
+def test_a_package_may_be_given_by_a_link(tmp_path: Path) -> None:
+    (tmp_path / "package").mkdir()
+    link = tmp_path / "link"
+    link.symlink_to(tmp_path / "package")
+    found = NO_VISUAL.at(tmp_path / "package" / "r.urdf", 3, message="m")
+    settings = Allowance(rule="no-visual", reason="why", file=link / "wsgen.toml", line=2)
+    comment = Allowance(rule="no-visual", reason="why", file=link / "r.urdf", line=3, lines=(3, 3))
+    for allowance in (settings, comment):
+        assert suppress([found], [allowance], read=[link]) == ((), (found,))
+    (unused,) = suppress([], [settings], read=[tmp_path / "package"]).reported
+    assert unused.name == "unused-allowance"
+
+
 def test_an_error_can_be_allowed_with_a_reason() -> None:
     assert not has_errors(suppress([REFUSED], [in_settings("unknown-urdf-version")]).reported)
 

@@ -19,6 +19,7 @@ from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.errors import NotReadableError, RequestError
 from wsgen.files import explain_write_error, find_full_disk, full_folder
 from wsgen.workspace.manifest import BUILD_TAGS
+from wsgen.workspace.package_xml import duplicate_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -44,17 +45,6 @@ UNEXPLAINED_FAILURE = Rule(
     why="`colcon` does not install the package, nor those that depend on it.",
     example="int main() { return missing; }",
     instead="Fix what the last lines of the output name; the log of colcon has the whole output.",
-)
-DUPLICATE_NAME = Rule(
-    code="PKG007",
-    name="duplicate-package",
-    severity=Severity.ERROR,
-    summary="Two packages of the workspace have the same name.",
-    why="`colcon` builds nothing then.",
-    example="""src/my_robot/package.xml    <name>my_robot</name>
-src/my_robot_2/package.xml  <name>my_robot</name>""",
-    instead="""src/my_robot/package.xml    <name>my_robot</name>
-src/my_robot_2/package.xml  <name>my_robot_2</name>""",
 )
 OTHER_INSTALL_LAYOUT = Rule(
     code="BLD017",
@@ -196,13 +186,7 @@ def _duplicate_names(output: str, workspace: Workspace) -> Iterator[Diagnostic]:
         return
     for name, folders in re.findall(r"^- (\S+):\n((?:  - .+\n?)+)", listing, re.MULTILINE):
         paths = [line.removeprefix("  - ").strip() for line in folders.splitlines()]
-        yield DUPLICATE_NAME.at(
-            workspace.root / paths[-1] / "package.xml",
-            element=name,
-            message=f"{len(paths)} packages are named {name}: {', '.join(paths)}.",
-            hint="Rename one (package.xml and project()), or put an empty file COLCON_IGNORE into "
-            "the folder of the one that colcon should not build.",
-        )
+        yield duplicate_name(workspace.root, name, paths)
 
 
 def _other_install_layout(output: str, workspace: Workspace) -> Iterator[Diagnostic]:

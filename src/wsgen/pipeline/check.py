@@ -28,6 +28,7 @@ from wsgen.pipeline.reported import read_permissions
 from wsgen.ros_names import released_packages
 from wsgen.suggestions import advice
 from wsgen.values import NamedTuple, dataclass, lazy_pattern
+from wsgen.workspace.package_xml import duplicate_names
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -154,6 +155,9 @@ def _check(
             )
             ended += map(_Checked, found)
         reported = _once(found for each in ended for found in each.diagnostics)
+    for place, packages in targets.inventories.items():
+        if (place.root / "src").is_dir():  # elsewhere somebody keeps several workspaces
+            reported += duplicate_names(place.root, packages)
     return CheckOutcome(
         diagnostics=_in_order(_wanted(reported, targets)),
         packages=tuple(one.name for one in (*targets.packages, *targets.installed)),

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import has_errors
 from wsgen.errors import RequestError
+from wsgen.files import real_path
 from wsgen.pipeline.baseline import divide_known, load_baseline
 from wsgen.pipeline.changed_files import about_changes, changed_since
 from wsgen.rules.catalogue import (
@@ -24,7 +26,6 @@ from wsgen.workspace.settings import read_settings
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping, Sequence
-    from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.pipeline.check import CheckOutcome
@@ -136,7 +137,7 @@ def leave_out_allowed(
         settings, comments = known or read_permissions(folder)
         allowances += [*settings.allowances, *comments]
         if settings.allow:
-            allowed_in[folder] = frozenset(settings.allow)
+            allowed_in[Path(real_path(folder))] = frozenset(settings.allow)
             kept += unknown_rule_allowed(settings.allow, settings.file, settings.allow_line)
     silent = tuple(found for found in kept if _is_allowed(found, allowed_in))
     kept = [*dict.fromkeys(found for found in kept if not _is_allowed(found, allowed_in))]
@@ -150,7 +151,7 @@ def _is_allowed(found: Diagnostic, allowed_in: Mapping[Path, frozenset[str]]) ->
     """Whether the settings of its package allow it in `wsgen validate`; never an error."""
     return found.file is not None and any(
         not without_allowed([found], allowed_in[folder])
-        for folder in found.file.parents
+        for folder in Path(real_path(found.file)).parents
         if folder in allowed_in
     )
 

@@ -6,6 +6,7 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity
+from wsgen.files import real_path
 from wsgen.rules.catalogue import UNKNOWN_RULE_ALLOWED, all_rules, find_rule
 from wsgen.suggestions import did_you_mean, nearest
 from wsgen.values import NamedTuple
@@ -87,7 +88,8 @@ def suppress(
         else:
             reported.append(found)
     for one in allowances:
-        is_read = read is None or any(one.file.is_relative_to(place) for place in read)
+        file = PurePath(real_path(one.file))
+        is_read = read is None or any(file.is_relative_to(real_path(place)) for place in read)
         reported += _check(one, is_used=one in used or not is_read)
     return Suppressed(tuple(reported), tuple(allowed))
 
@@ -101,13 +103,16 @@ def _by_rule(allowances: Iterable[Allowance]) -> dict[str, list[Allowance]]:
 
 def _covers(one: Allowance, found: Diagnostic) -> bool:
     """Whether an allowance is about the place of a diagnostic of its rule."""
+    if found.file is None:
+        return False
+    # A package may be given by a link, and what includes a file says where it really is.
+    file, place = PurePath(real_path(found.file)), PurePath(real_path(one.file))
     if one.lines is not None:
         first, last = one.lines
-        return found.file == one.file and first <= (found.line or 0) <= last
-    folder = one.file.parent
-    if found.file is None or not found.file.is_relative_to(folder):
+        return file == place and first <= (found.line or 0) <= last
+    if not file.is_relative_to(place.parent):
         return False
-    inside = PurePath(found.file.relative_to(folder))
+    inside = file.relative_to(place.parent)
     return not one.patterns or any(inside.match(pattern) for pattern in one.patterns)
 
 

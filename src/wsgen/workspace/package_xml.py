@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from typing import TYPE_CHECKING
 
@@ -11,9 +12,10 @@ from wsgen.values import lazy_pattern
 from wsgen.workspace.manifest import DEPENDENCY_TAGS, read_manifest
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator, Sequence
     from pathlib import Path
 
+    from wsgen.workspace.layout import PackageFolder
     from wsgen.workspace.manifest import Entry, Manifest
 
 
@@ -268,3 +270,37 @@ def _find_line(text: str, problem: str) -> int | None:
             if needle in line and not line.startswith("<?xml"):
                 return number
     return None
+
+
+DUPLICATE_NAME = Rule(
+    code="PKG007",
+    name="duplicate-package",
+    severity=Severity.ERROR,
+    summary="Two packages of the workspace have the same name.",
+    why="`colcon` builds nothing then.",
+    example="""src/my_robot/package.xml    <name>my_robot</name>
+src/my_robot_2/package.xml  <name>my_robot</name>""",
+    instead="""src/my_robot/package.xml    <name>my_robot</name>
+src/my_robot_2/package.xml  <name>my_robot_2</name>""",
+)
+
+
+def duplicate_name(root: Path, name: str, folders: Sequence[str]) -> Diagnostic:
+    """Report packages of a workspace that have the same name."""
+    return DUPLICATE_NAME.at(
+        root / folders[-1] / "package.xml",
+        element=name,
+        message=f"{len(folders)} packages are named {name}: {', '.join(folders)}.",
+        hint="Rename one (package.xml and project()), or put an empty file COLCON_IGNORE into "
+        "the folder of the one that colcon should not build.",
+    )
+
+
+def duplicate_names(root: Path, packages: Iterable[PackageFolder]) -> Iterator[Diagnostic]:
+    """Report the names that several packages of a workspace have."""
+    folders: dict[str, list[str]] = {}
+    for one in packages:
+        folders.setdefault(one.name, []).append(os.path.relpath(one.path, root))
+    for name, paths in folders.items():
+        if len(paths) > 1:
+            yield duplicate_name(root, name, sorted(paths))
