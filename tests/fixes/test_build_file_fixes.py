@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from fixes.crafted import fixed
+from wsgen.build_files.cmake_checks import word_names
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -203,6 +204,16 @@ def test_commands(  # noqa: PLR0917
     file.write_text(before)
     line = 1 if after is None or "\n" not in before else 2
     assert fixed(file, name, line, message, hint) == after
+
+
+def test_a_project_that_is_called_as_its_folder_keeps_its_name(tmp_path: Path) -> None:
+    """The mistake is in package.xml then."""
+    file = tmp_path / "robots" / "CMakeLists.txt"
+    file.parent.mkdir()
+    file.write_text("project(robots)")
+    found = word_names("robots", "robot", file, 1, 3)
+    assert (found.hint or "").startswith("Write <name>robots</name> in package.xml")
+    assert fixed(file, found.name, 1, found.message, found.hint or "") is None
 
 
 def test_an_option_of_setup(tmp_path: Path) -> None:

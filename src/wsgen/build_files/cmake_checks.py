@@ -458,13 +458,16 @@ def word_names(
 ) -> Diagnostic:
     """Report that project() and package.xml differ."""
     where = f" (line {manifest_line})" if manifest_line else ""
+    here, there = f"project({package}) here", f"<name>{project}</name> in package.xml"
+    if file is not None and file.parent.name == project:  # two of three agree
+        here, there = f"{there}, as the folder is called", here
     return DIFFERENT_NAMES.at(
         file,
         line,
         package,
         message=f"{package}: project() names the package {project}, but package.xml{where} names "
         f"it {package}.",
-        hint=f"Write project({package}) here, or <name>{project}</name> in package.xml; "
+        hint=f"Write {here}, or {there}; "
         "launch files and $(find ...) know the package by the name in package.xml.",
     )
 

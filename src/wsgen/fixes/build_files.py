@@ -141,13 +141,14 @@ def add_project(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
 
 
 def fix_project_name(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
-    """Name the project like the package."""
+    """Name the project like the package, unless the folder has the name of the project."""
     named = _PROJECT.search(diagnostic.hint or "")
     calls = [one for one in read_commands(source) if one.name == "project" and one.arguments]
     if named is None or len(calls) != 1:
         return []
     first = calls[0].arguments[0]
-    if "$" in first.text or first.text == named[1]:
+    folder = diagnostic.file.parent.name if diagnostic.file else None
+    if "$" in first.text or first.text in {named[1], folder}:
         return []
     return [Edit(start=first.start, end=first.end, text=named[1])]
 
