@@ -270,3 +270,10 @@ def test_entries_that_bridges_cannot_use(tmp_path: Path, text: str, line: int, w
     found = find_bridges(plan(bridge_of(config_file=str(file)))).diagnostics
     assert {one.name for one in found} == {"invalid-bridge-entry"}
     assert any(words in one.message and one.line == line for one in found)
+
+
+def test_a_file_that_is_not_yaml(tmp_path: Path) -> None:
+    file = tmp_path / "bridge.yaml"
+    file.write_text('- ros_topic_name: "scan"\n\tgz_topic_name: "scan"\n')
+    (found,) = find_bridges(plan(bridge_of(config_file=str(file)))).diagnostics
+    assert (found.code, found.severity.value, found.line) == ("LCH099", "error", 2)

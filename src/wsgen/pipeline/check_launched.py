@@ -111,7 +111,9 @@ def check_launched(  # noqa: PLR0913  most have defaults
     yield from controllers.unknown_controllers(plan, controllers.find_configured(plan, files))
     started_here = frozenset(controllers.started_controllers(plan))
     for file, content in files.items():
-        if content is not None:
+        if content is None:
+            yield from parameter_files.malformed_parameter_files(file)
+        else:
             yield from controllers.unknown_types(file, content, started_here)
     if not is_included:
         broadcasters = {

@@ -10,6 +10,7 @@ from wsgen import yamlfile
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.launch.commands import started_launch_files, started_programs
 from wsgen.markup import read_text
+from wsgen.rules.parameter_files import malformed_parameter_files
 from wsgen.rules.simulators import BRIDGES
 from wsgen.suggestions import LONG_ENOUGH, advice, did_you_mean, mistakes_between, nearest
 from wsgen.values import NamedTuple, lazy_pattern
@@ -194,6 +195,8 @@ def find_bridges(plan: LaunchPlan) -> Bridges:
     for name, content in contents.items():
         if isinstance(content, yamlfile.Value):
             found += _read_entries(Path(name), content)
+        elif isinstance(content, yamlfile.NotYaml):
+            found += malformed_parameter_files(Path(name))
     is_known = plan.is_complete and not any(
         "--params-file" in process.arguments for process in plan.processes
     )

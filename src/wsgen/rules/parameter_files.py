@@ -42,9 +42,12 @@ _TEMPLATE = lazy_pattern(r"\{\{|\{%")
 DEEPEST = 8  # namespaces
 
 
-def malformed_parameter_files(file: Path, content: bytes) -> Iterator[Diagnostic]:
-    """Report a YAML file that a node cannot read; `content` is what is in it."""
-    if not any(sign in content for sign in _OF_NODES):
+def malformed_parameter_files(file: Path, content: bytes | None = None) -> Iterator[Diagnostic]:
+    """Report a YAML file that a node cannot read.
+
+    `content` is what is in it, where it is not known that a node reads it.
+    """
+    if content is not None and not any(sign in content for sign in _OF_NODES):
         return
     found = yamlfile.load_parameters(file)
     if isinstance(found, yamlfile.Value):
