@@ -54,6 +54,27 @@ def test_xacro_without_its_prefix(body: str) -> None:
     assert "<xacro:" in found.hint
 
 
+WHEEL = '<xacro:macro name="wheel" params="side"/><xacro:macro name="material" params="m"/>'
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        '<wheel side="1"/>',
+        '<link name="a"><wheel/></link>',
+        '<xacro:if value="1"><wheel/></xacro:if>',
+    ],
+)
+def test_a_macro_that_is_called_without_the_prefix(body: str) -> None:
+    (found,) = unprefixed_xacro(written(WHEEL + body))
+    assert (found.code, found.hint) == ("ROB115", "Write <xacro:wheel>.")
+
+
+def test_elements_with_the_name_of_a_macro() -> None:
+    body = '<material name="m"/><gazebo><sensor><wheel/></sensor></gazebo><xacro:wheel side="1"/>'
+    assert not list(unprefixed_xacro(written(WHEEL + body)))
+
+
 def test_what_only_looks_like_xacro() -> None:
     body = '<gazebo><include filename="x"/><plugin><property name="a" value="1"/></plugin></gazebo>'
     assert not list(unprefixed_xacro(written(f'{body}<property name="a"/>')))

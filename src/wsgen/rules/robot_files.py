@@ -33,6 +33,13 @@ OF_XACRO = {
 }
 TRANSPARENT = ("xacro:if", "xacro:unless", "xacro:macro")  # what is in them is in the robot
 MACRO = "xacro:macro"
+# What URDF itself has below a robot and below a link; a macro may have such a name.
+OF_URDF = frozenset(
+    (
+        *("link", "joint", "material", "gazebo", "transmission", "ros2_control", "sensor", "frame"),
+        *("inertial", "visual", "collision", "contact", "origin"),
+    )
+)
 
 PATH_OF_ONE_MACHINE = Rule(
     code="ROB114",
@@ -72,7 +79,8 @@ UNPREFIXED_XACRO = Rule(
     severity=Severity.WARNING,
     summary="A xacro element lacks the prefix `xacro:`.",
     what="Looks for `<property>`, `<macro>`, `<include>`, `<arg>`, `<if>`, `<unless>` and "
-    "`<insert_block>` among the links and joints, with the attributes of the xacro elements.",
+    "`<insert_block>` among the links and joints, with the attributes of the xacro elements, and "
+    "for elements of a robot or a link that have the name of a macro.",
     why="The prefix is required since ROS Jade. Without it the element is copied to the "
     "URDF, where every program ignores it.",
     example='<property name="radius" value="0.1"/>',
@@ -81,20 +89,29 @@ UNPREFIXED_XACRO = Rule(
 
 
 def unprefixed_xacro(elements: Iterable[Written]) -> Iterator[Diagnostic]:
-    """Report what only xacro knows and xacro does not see."""
+    """Report what only xacro knows and xacro does not see: its elements, and calls of macros."""
+    elements = tuple(elements)
+    macros = {
+        one.attributes.get("name", "").removeprefix("xacro:")
+        for one in elements
+        if one.tag == MACRO
+    } - OF_URDF
     for element in elements:
-        attribute = OF_XACRO.get(element.tag)
-        if attribute is None or attribute not in element.attributes:
+        is_call = element.tag in macros
+        if not is_call and OF_XACRO.get(element.tag, "") not in element.attributes:
             continue
         above = [step for step in element.path[:-1] if not step.startswith(TRANSPARENT)]
-        if above != ["robot"]:
+        is_in_link = is_call and len(above) > 1 and above[1].startswith("link")
+        if above[:1] != ["robot"] or len(above) > 1 + is_in_link:
             continue
         name = element.attributes.get("name")
         yield UNPREFIXED_XACRO.at(
             element.file,
             element.line,
             element.tag if name is None else f"{element.tag}[@name='{name}']",
-            message=f"<{element.tag}> is a xacro element without the prefix `xacro:`: it has no "
+            message=f"<{element.tag}> calls a macro without the prefix `xacro:`: it has no effect."
+            if is_call
+            else f"<{element.tag}> is a xacro element without the prefix `xacro:`: it has no "
             "effect.",
             hint=f"Write <xacro:{element.tag}>.",
         )
