@@ -107,6 +107,12 @@ def test_what_is_built_and_not_registered(workspace: KindOfWorkspace) -> None:
         "Its source folder is used as share folder."
     )
     assert "ament_package()" in found["hint"]
+    # A later build that fails is another cause.
+    (workspace.root / "build" / "trolley_description" / "colcon_build.rc").write_text("1\n")
+    with open_overlay([Workspace(root=workspace.root)], os.environ) as overlay:
+        overlay.look_up("trolley_description")
+        (later,) = overlay.not_built()
+    assert later.message.startswith("Not built: trolley_description.")
 
 
 def test_what_is_installed_wins(workspace: KindOfWorkspace) -> None:

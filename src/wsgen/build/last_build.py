@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Rule, Severity
 from wsgen.files import read_regular_text
 from wsgen.values import NamedTuple
+from wsgen.workspace.layout import BUILD_RESULT
 from wsgen.workspace.manifest import BUILD_TAGS, RUN_TAGS
 
 if TYPE_CHECKING:
@@ -34,7 +35,6 @@ FAILED_BUILD = Rule(
     instead="wsgen build  # until it succeeds\nwsgen validate",
 )
 
-RESULT = "colcon_build.rc"  # in the build folder of a package; colcon writes it after every build
 STARTED = "colcon_command_prefix_*"  # also there; colcon writes it before it runs anything
 INTERRUPTED = "SIGINT"  # as result
 _EVENT = r"^\[[\d.]+\] \({}\) (?:JobStarted|JobEnded: .*'rc': '?(\w+))"  # in events.log
@@ -64,7 +64,7 @@ def failed_builds(
 
 def _failed_build(workspace: Workspace, package: PackageFolder) -> FailedBuild | None:
     folder = workspace.build / package.name
-    result = _read(folder / RESULT).strip()
+    result = _read(folder / BUILD_RESULT).strip()
     is_good = result in {"", "0"}
     if is_good and not _was_started_after(folder):
         return None
@@ -79,7 +79,7 @@ def _failed_build(workspace: Workspace, package: PackageFolder) -> FailedBuild |
 def _was_started_after(folder: Path) -> bool:
     """Whether a build began in a build folder after the last one that ended there."""
     try:
-        ended = (folder / RESULT).stat().st_mtime_ns
+        ended = (folder / BUILD_RESULT).stat().st_mtime_ns
     except OSError:
         ended = 0
     try:
@@ -162,7 +162,7 @@ def _edited(one: FailedBuild, file: Path | None) -> Path | None:
     folder = one.package.path
     files = [folder / name for name in ("CMakeLists.txt", "setup.py", "setup.cfg", "package.xml")]
     try:
-        ended = (one.build_folder / RESULT).stat().st_mtime
+        ended = (one.build_folder / BUILD_RESULT).stat().st_mtime
         there = [each for each in (file, *files) if each is not None and each.is_file()]
         return next((each for each in there if each.stat().st_mtime > ended), None)
     except OSError:

@@ -53,6 +53,8 @@ def _without_manifest(source: Path) -> Iterator[Path]:
 INSTALL_LAYOUT = ".colcon_install_layout"  # colcon writes it into an install space
 BUILT_BY = ".built_by"  # and this into a build space
 FOR_ALL = stat.S_ISVTX | stat.S_IWOTH  # the mode of a folder in which everybody has files
+# In the build folder of a package; colcon writes it after every build.
+BUILD_RESULT = "colcon_build.rc"
 LOG_OF_BUILD = "latest_build"  # a link to the log of the last `colcon build`
 WRITTEN_BY_COLCON = (INSTALL_LAYOUT, BUILT_BY)
 IGNORE_MARKERS = frozenset({"COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE"})

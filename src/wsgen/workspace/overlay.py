@@ -13,11 +13,18 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.errors import NotFoundError, NotReadableError, RequestError
+from wsgen.files import read_regular_text
 from wsgen.isolation.parent import make_scratch
 from wsgen.source_shares import INDEX, is_used, note_use, serve_sources
 from wsgen.suggestions import advice, suggest
 from wsgen.values import dataclass
-from wsgen.workspace.layout import Workspace, find_packages, ignored_package, with_surroundings
+from wsgen.workspace.layout import (
+    BUILD_RESULT,
+    Workspace,
+    find_packages,
+    ignored_package,
+    with_surroundings,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -234,8 +241,15 @@ def open_overlay(
 
 
 def _is_built(workspace: Workspace, package: str) -> bool:
-    """Whether colcon has built a package: it then writes what sources it, merged or not."""
-    return any(
+    """Whether colcon has built a package: it then writes what sources it, merged or not.
+
+    An older build may have written that: the last one must not have failed.
+    """
+    try:
+        result = read_regular_text(workspace.build / package / BUILD_RESULT, errors="replace")
+    except OSError:
+        result = "0"  # of another build folder
+    return result.strip() == "0" and any(
         (prefix / "share" / package / "package.sh").is_file()
         for prefix in (workspace.install / package, workspace.install)
     )
