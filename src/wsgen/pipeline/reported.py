@@ -139,12 +139,17 @@ def leave_out_allowed(
         if settings.allow:
             allowed_in[Path(real_path(folder))] = frozenset(settings.allow)
             kept += unknown_rule_allowed(settings.allow, settings.file, settings.allow_line)
-    silent = tuple(found for found in kept if _is_allowed(found, allowed_in))
-    kept = [*dict.fromkeys(found for found in kept if not _is_allowed(found, allowed_in))]
+    silent: list[Diagnostic] = []
+    counted: dict[Diagnostic, None] = {}
+    for found in kept:
+        if allowed_in and _is_allowed(found, allowed_in):
+            silent.append(found)
+        else:
+            counted[found] = None
     if not allowances:
-        return tuple(kept), silent
-    found = suppress(kept, allowances, read=[*only, *files] if only else None)
-    return found.reported, (*silent, *found.allowed)
+        return tuple(counted), tuple(silent)
+    suppressed = suppress(counted, allowances, read=[*only, *files] if only else None)
+    return suppressed.reported, (*silent, *suppressed.allowed)
 
 
 def _is_allowed(found: Diagnostic, allowed_in: Mapping[Path, frozenset[str]]) -> bool:

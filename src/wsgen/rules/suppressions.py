@@ -87,9 +87,10 @@ def suppress(
             allowed.append(found)
         else:
             reported.append(found)
+    places = None if read is None else [real_path(place) for place in read]
     for one in allowances:
         file = PurePath(real_path(one.file))
-        is_read = read is None or any(file.is_relative_to(real_path(place)) for place in read)
+        is_read = places is None or any(file.is_relative_to(place) for place in places)
         reported += _check(one, is_used=one in used or not is_read)
     return Suppressed(tuple(reported), tuple(allowed))
 
