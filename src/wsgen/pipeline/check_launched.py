@@ -31,6 +31,7 @@ from wsgen.sdf.lookup import find_world, model_finder
 from wsgen.sdf.source import SIZE_LIMIT, load, read_document
 from wsgen.source_shares import may_have_sources
 from wsgen.values import NamedTuple
+from wsgen.workspace.layout import LAUNCH_FILES
 from wsgen.xacro.source import written_elements
 from wsgen.xmltree import child_text, children
 
@@ -354,10 +355,6 @@ def _check_frames(
     if known is not None:
         text = content.decode(errors="replace")
         yield from frames.frames_without_links(file, text, links, known)
-
-
-# What ends the names of launch files.
-LAUNCH_FILES = tuple(f"launch.{suffix}" for suffix in ("py", "xml", "yaml", "yml"))
 
 
 def _bytes(file: Path) -> bytes:

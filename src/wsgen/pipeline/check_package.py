@@ -49,7 +49,7 @@ from wsgen.rules import launch_files
 from wsgen.rules.controllers import former_spawners
 from wsgen.rules.target import target_of
 from wsgen.values import NamedTuple, lazy_pattern
-from wsgen.workspace.layout import find_launch_files
+from wsgen.workspace.layout import LAUNCH_FILES, find_launch_files
 from wsgen.workspace.robot_files import find_descriptions
 from wsgen.workspace.settings import read_settings
 from wsgen.xacro.source import without_call
@@ -373,7 +373,7 @@ class FileCheck:
 
     def _run(self, folder: Path) -> tuple[Diagnostic, ...]:
         overlay = self.installed.overlay
-        if self.file.name.endswith(("launch.py", "launch.xml", "launch.yaml", "launch.yml")):
+        if self.file.name.endswith(LAUNCH_FILES):
             return tuple(self._check_launch_file(overlay, folder))
         if self.file.suffix == ".launch":
             of_ros_1 = tuple(launch_files.ros_1_launch_files([self.file]))
