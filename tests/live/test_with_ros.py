@@ -29,6 +29,7 @@ import sys
 import rclpy
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
+from rclpy.executors import ExternalShutdownException
 
 rclpy.init()
 node = rclpy.create_node('driver')
@@ -38,8 +39,11 @@ publisher = node.create_publisher(Twist, 'cmd_vel', 10)
 node.create_timer(0.1, lambda: publisher.publish(Twist(linear={}(x=0.4))))
 places = []
 node.create_subscription(Odometry, 'odom', lambda odom: places.append(odom.pose.pose.position.x), 9)
-while not places or places[-1] < goal:
-    rclpy.spin_once(node)
+try:
+    while not places or places[-1] < goal:
+        rclpy.spin_once(node)
+except (KeyboardInterrupt, ExternalShutdownException):
+    sys.exit(0)
 node.get_logger().info(f'at {places[-1] > 0.3}, {node.get_name()}')
 sys.exit(0 if goal else 7)
 """.replace("{}", "__import__('geometry_msgs.msg', fromlist=['Vector3']).Vector3")
