@@ -107,13 +107,13 @@ def test_a_node_moves_an_arm(simulator_name: str, tmp_path: Path) -> None:
             timeout=WAIT,
             check=False,
         )
+        assert (user.returncode, process.poll()) == (0, None), user.stderr
         code, printed = run(
             "controller_spawner", "--unspawn", "forward_controller", environment=environment
         )
         assert (code, "Unloaded controller" in printed) == (0, True), printed
         process.terminate()
         _, warnings = process.communicate(timeout=WAIT)
-    assert user.returncode == 0, user.stderr + warnings
     seen = json.loads(user.stdout)
     assert seen["names"] == seen["joints"] == ["joint_1", "joint_2"]
     assert seen["controllers"] == {
