@@ -181,7 +181,13 @@ def test_our_own_package_has_no_diagnostics(
     shutil.copytree(GOLDEN, workspace)
     monkeypatch.chdir(workspace)
     assert run("--strict") == 0
-    assert capsys.readouterr().out == "1 package checked: no errors (1 allowed).\n"
+    summary = "1 package checked: no errors. Not counted: 1 allowed.\n"
+    assert capsys.readouterr().out == summary
+    assert run("-v") == 0
+    out = capsys.readouterr().out
+    assert "robot.xacro:" in out
+    assert "allowed[ROB051] massless-root: " in out
+    assert out.endswith(summary)
     (workspace / "src" / "gazebo_test" / "wsgen.toml").unlink()
     assert run() == 0
 

@@ -174,7 +174,8 @@ def test_statistics_and_summary(found: tuple[Diagnostic, ...]) -> None:
     outcome = CheckOutcome(packages=("p", "q"), files=(Path("f"),))
     lines = render_summary(outcome, reported, fixable=1)
     assert lines[0] == (
-        "2 packages and 1 file checked: 1 error, 2 warnings, 1 note (1 allowed, 1 in the baseline)."
+        "2 packages and 1 file checked: 1 error, 2 warnings, 1 note. "
+        "Not counted: 1 allowed, 1 in the baseline."
     )
     assert lines[1] == "1 diagnostic can be fixed: add --fix, or --diff first."
     clean = render_summary(CheckOutcome(packages=("p",)), Reported(diagnostics=()), fixed=2)

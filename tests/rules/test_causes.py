@@ -6,7 +6,12 @@ import pytest
 
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.rules.catalogue import all_rules
-from wsgen.rules.consequences import CONSEQUENCES, fold_consequences, joints_beyond_limits
+from wsgen.rules.consequences import (
+    CONSEQUENCES,
+    explains_no_drive,
+    fold_consequences,
+    joints_beyond_limits,
+)
 
 ERROR, WARNING, INFO = Severity
 
@@ -108,3 +113,12 @@ def test_the_table_is_about_rules_that_exist() -> None:
         assert all(code.startswith("SPN") for code in follows)
     causes = [row.cause for row in CONSEQUENCES]
     assert len(causes) == len(set(causes))
+
+
+def test_what_keeps_a_drive_from_working() -> None:
+    drive = "gazebo/plugin[@filename='libgazebo_ros_diff_drive.so']/left_joint"
+    assert explains_no_drive(about("ROB102", ERROR, drive))
+    assert explains_no_drive(about("ROB040", ERROR, "link[@name='wheel']"))
+    assert not explains_no_drive(about("ROB102", WARNING, drive))
+    laser = "gazebo/plugin[@filename='libgazebo_ros_ray_sensors.so']"
+    assert not explains_no_drive(about("ROB100", ERROR, laser))

@@ -142,18 +142,24 @@ def test_what_a_plugin_says_that_is_not_loaded_is_not_checked() -> None:
     assert found.code == "ROB101"
 
 
-@pytest.mark.parametrize(
-    ("left", "words"),
-    [
-        ("wheel_left_joint", "Did you mean"),
-        ("laser_joint", "Name a movable joint of this robot."),
-    ],
-)
-def test_joints_that_a_plugin_does_not_find(left: str, words: str) -> None:
+def test_joints_that_a_plugin_does_not_find() -> None:
     for filename in (DRIVE, CLASSIC_DRIVE):
-        (found,) = check(plugin(filename, {**WHEELS, "left_joint": (left,)}))
+        (found,) = check(plugin(filename, {**WHEELS, "left_joint": ("wheel_left_joint",)}))
         assert (found.code, found.severity, found.line) == ("ROB102", Severity.ERROR, 30)
-        assert words in (found.hint or "")
+        assert "Did you mean" in (found.hint or "")
+
+
+def test_a_fixed_joint_that_a_drive_turns_is_wrong_where_the_joint_is() -> None:
+    drive = plugin(CLASSIC_DRIVE, {**WHEELS, "left_joint": ("laser_joint",)})
+    states = plugin("libgazebo_ros_joint_state_publisher.so", {"joint_name": ("laser_joint",)})
+    (found,) = check(drive, states)
+    assert (found.code, found.element) == ("ROB102", "joint[@name='laser_joint']")
+    assert 'type="continuous"' in (found.hint or "")
+    (found,) = check(states)
+    assert (found.line, found.hint) == (
+        30,
+        "Remove <joint_name>laser_joint</joint_name>, or give the joint a type that moves.",
+    )
 
 
 def test_a_drive_without_joint() -> None:

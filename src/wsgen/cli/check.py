@@ -320,7 +320,7 @@ def _print(
     from pathlib import Path
 
     folder, found = Path.cwd(), reported.diagnostics
-    if output_format == "text" and not found:
+    if output_format == "text" and not found and not (verbose and reported.allowed):
         return
     from wsgen.report.places import Places
 

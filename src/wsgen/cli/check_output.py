@@ -33,7 +33,7 @@ def render_report(
     """For each diagnostic `FILE:LINE:COLUMN: SEVERITY[CODE] NAME: MESSAGE`, and what to do.
 
     On a terminal, the line of the file is shown, with the place marked. Those that differ only in
-    what they name are summed up, and notes left out, unless `verbose`.
+    what they name are summed up, and notes and what is allowed left out, unless `verbose`.
     """
     shown = _shown(reported.diagnostics, verbose=verbose)
     is_terminal = sys.stdout is not None and sys.stdout.isatty()
@@ -48,6 +48,10 @@ def render_report(
             yield from _excerpt(place, found)
         if found.hint:
             yield f"   try: {found.hint}"
+    for found in reported.allowed if verbose else ():
+        yield f"{_where(found, places.find(found))}allowed[{found.code}] {found.name}: " + (
+            found.message
+        )
 
 
 def _shown(diagnostics: Sequence[Diagnostic], *, verbose: bool) -> Sequence[Diagnostic]:
@@ -117,8 +121,8 @@ def render_summary(
         if those
     ]
     what = ", ".join(number for number in numbers if not number.startswith("0 ")) or "no errors"
-    more = f" ({', '.join(hidden)})" if hidden else ""
-    lines.append(f"{' and '.join(subjects)} checked: {what}{more}.")
+    more = f" Not counted: {', '.join(hidden)}." if hidden else ""
+    lines.append(f"{' and '.join(subjects)} checked: {what}.{more}")
     if fixable:
         lines.append(f"{_count(fixable, 'diagnostic')} can be fixed: add --fix, or --diff first.")
     elif counted[Severity.INFO] and len(counted) == 1 and not verbose:

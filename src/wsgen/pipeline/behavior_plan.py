@@ -16,6 +16,7 @@ from wsgen.rules.behaviors import (
     unclear_behavior_robot,
     unknown_behavior_joint,
 )
+from wsgen.rules.consequences import explains_no_drive
 from wsgen.urdf.diff_drive import NoDrive, find_diff_drive
 from wsgen.values import dataclass
 
@@ -224,6 +225,8 @@ def _behavior_run(
     robot, task = prepared.lumped, behavior.task
     if isinstance(task, Drive):
         drive = find_diff_drive(robot, simulator=simulator)
+        if isinstance(drive, NoDrive) and any(map(explains_no_drive, prepared.diagnostics)):
+            return None, ()
         if isinstance(drive, NoDrive):
             return None, tuple(
                 no_diff_drive(behavior, drive.reason, drive.hint, file, has_plugin=drive.is_there)

@@ -20,6 +20,11 @@ from wsgen.rules.bodies import (
     UNLIKE_SHAPES,
     WHEEL_WITHOUT_COLLISION,
 )
+from wsgen.rules.plugins import (
+    PLUGIN_OF_OTHER_SIMULATOR,
+    UNKNOWN_PLUGIN,
+    UNKNOWN_PLUGIN_PART,
+)
 from wsgen.rules.robots import (
     IMPLAUSIBLE_INERTIA,
     IMPLAUSIBLE_MASS,
@@ -47,6 +52,7 @@ from wsgen.rules.runs import (
 from wsgen.sdf.assembly import JOINT_LEFT_OUT
 from wsgen.sdf.bodies import DEFAULT_INERTIA, MASSLESS_MODEL_LINK
 from wsgen.sdf.shapes import SHAPE_LEFT_OUT
+from wsgen.urdf.lumping import DROPPED_LINK, IMPOSSIBLE_SUM, TWO_ZERO_MASSES
 from wsgen.urdf.unknown_elements import meant_element
 
 if TYPE_CHECKING:
@@ -110,6 +116,10 @@ CONSEQUENCES = (
     # The limit pushes the joint.
     Consequence(STARTS_OUTSIDE_LIMITS.code, EXPLODES, errors=_codes(KEEPS_MOVING)),
 )
+# Gazebo drops the wheels, or the plugin that drives them finds nothing to turn.
+WITHOUT_WHEELS = _codes(DROPPED_LINK, TWO_ZERO_MASSES, IMPOSSIBLE_SUM)
+OF_PLUGINS = _codes(UNKNOWN_PLUGIN, PLUGIN_OF_OTHER_SIMULATOR, UNKNOWN_PLUGIN_PART)
+DIFF_DRIVE = re.compile(r"diff[-_]drive")
 MISSPELLED = _codes(MISSPELLED_ELEMENT, MISSPELLED_ATTRIBUTE)
 MOVING_PART = re.compile(r"(?:^|/)(?:link|joint|gazebo)\b")
 WITHOUT_EFFECT = ("visual", "material", "sensor", "plugin", "light", "transmission", "ros2_control")
@@ -141,6 +151,16 @@ def fold_consequences(prepared: Iterable[Diagnostic], run: Iterable[Diagnostic])
     for place, consequences in followed.items():
         causes[place] = _with_worst(causes[place], consequences)
     return Folded(tuple(causes), tuple(left))
+
+
+def explains_no_drive(found: Diagnostic) -> bool:
+    """Whether what is wrong with a description keeps its diff drive plugin from working."""
+    if found.severity is not Severity.ERROR:
+        return False
+    said = f"{found.element} {found.message} {found.hint}"
+    return found.code in WITHOUT_WHEELS or (
+        found.code in OF_PLUGINS and DIFF_DRIVE.search(said) is not None
+    )
 
 
 def joints_beyond_limits(prepared: Iterable[Diagnostic]) -> frozenset[str]:

@@ -306,29 +306,11 @@ def plugin_parts(plugin: Plugin, facts: PluginFacts, file: Path | None) -> Itera
     if known is None or any(_snake(key) != key for key in plugin.values if _snake(key) in known[0]):
         return
     place = f"gazebo/plugin[@filename='{plugin.filename}']"
-    movable = {
-        joint.name
-        for joint in facts.joints
-        if joint.type is not JointType.FIXED or joint.name in facts.preserved
-    }
-    for kind, keys, names in (
-        ("joint", known.joints, movable),
-        ("link", known.links, facts.links),
-    ):
-        for key in keys:
-            for text in plugin.values.get(key, ()):
-                if not text or text in names or not re.fullmatch(r"[\w.-]+", text):
-                    continue
-                is_fixed = any(joint.name == text for joint in facts.joints) and kind == "joint"
-                near = None if is_fixed else nearest(text, names)
-                yield UNKNOWN_PLUGIN_PART.at(
-                    file,
-                    plugin.line,
-                    f"{place}/{key}",
-                    message=f"The plugin `{plugin.filename}` names the {kind} `{text}`, which "
-                    + ("is fixed." if is_fixed else "the robot does not have."),
-                    hint=did_you_mean(near) if near else f"Name a movable {kind} of this robot.",
-                )
+    yield from _joints_in_vain(plugin, known.joints, facts, file)
+    for key in known.links:
+        for text in _names(plugin, key):
+            if text not in facts.links:
+                yield _unknown_part(plugin, key, ("link", text, facts.links), file)
     for key in known.required:
         is_misspelled = nearest(key, plugin.values, cutoff=LIKE_PARAMETER) is not None
         if not any(plugin.values.get(key, ())) and not (is_misspelled and key not in plugin.values):
@@ -339,6 +321,59 @@ def plugin_parts(plugin: Plugin, facts: PluginFacts, file: Path | None) -> Itera
                 message=f"The plugin `{plugin.filename}` has no <{key}>: it does nothing without "
                 "it.",
                 hint=f"Add <{key}>JOINT</{key}>.",
+            )
+
+
+def _names(plugin: Plugin, key: str) -> Iterator[str]:
+    return (text for text in plugin.values.get(key, ()) if re.fullmatch(r"[\w.-]+", text))
+
+
+def _unknown_part(
+    plugin: Plugin, key: str, part: tuple[str, str, Collection[str]], file: Path | None
+) -> Diagnostic:
+    kind, name, known = part
+    near = nearest(name, known)
+    return UNKNOWN_PLUGIN_PART.at(
+        file,
+        plugin.line,
+        f"gazebo/plugin[@filename='{plugin.filename}']/{key}",
+        message=f"The plugin `{plugin.filename}` names the {kind} `{name}`, which the robot does "
+        "not have.",
+        hint=did_you_mean(near) if near else f"Name a movable {kind} of this robot.",
+    )
+
+
+def _joints_in_vain(
+    plugin: Plugin, keys: Iterable[str], facts: PluginFacts, file: Path | None
+) -> Iterator[Diagnostic]:
+    joints = {joint.name: joint for joint in facts.joints}
+    movable = [
+        name
+        for name, joint in joints.items()
+        if joint.type is not JointType.FIXED or name in facts.preserved
+    ]
+    driven = driven_joints(facts.tags)
+    for key, name in [(one, name) for one in keys for name in _names(plugin, one)]:
+        if name in movable:
+            continue
+        if name not in joints:
+            yield _unknown_part(plugin, key, ("joint", name, movable), file)
+        elif name not in driven:
+            yield UNKNOWN_PLUGIN_PART.at(
+                file,
+                plugin.line,
+                f"gazebo/plugin[@filename='{plugin.filename}']/{key}",
+                message=f"The plugin `{plugin.filename}` names the joint `{name}`, which is fixed.",
+                hint=f"Remove <{key}>{name}</{key}>, or give the joint a type that moves.",
+            )
+        elif "driv" in stem(plugin.filename):  # others follow from it
+            yield UNKNOWN_PLUGIN_PART.at(
+                file,
+                joints[name].line,
+                f"joint[@name='{name}']",
+                message=f"The joint `{name}` is fixed, but the plugin `{plugin.filename}` has to "
+                "turn it.",
+                hint='Write type="continuous" and the <axis> of the wheel.',
             )
 
 
