@@ -188,13 +188,9 @@ CONTROLLED = ARM + joint("arm") + CONTROL_PLUGIN
 HARDWARE = "<hardware><plugin>gz_ros2_control/GazeboSimSystem</plugin></hardware>"
 COMMANDS = '<command_interface name="position"/><state_interface name="position"/>'
 STATES = '<state_interface name="position"/>'
-WHEELS = (
-    BODY
-    + link("left_wheel", INERTIAL + f"<visual>{CYLINDER}</visual><collision>{CYLINDER}</collision>")
-    + link(
-        "right_wheel", INERTIAL + f"<visual>{CYLINDER}</visual><collision>{CYLINDER}</collision>"
-    )
-)
+TIRE = f'<visual><origin rpy="1.5708 0 0"/>{CYLINDER}</visual>'
+TIRE += TIRE.replace("visual>", "collision>")
+WHEELS = BODY + "".join(link(f"{side}_wheel", INERTIAL + TIRE) for side in ("left", "right"))
 WHEEL_JOINTS = joint("left_wheel", kind="continuous") + joint("right_wheel", kind="continuous")
 SENSOR = "<update_rate>10</update_rate>"
 IN_CONTROL = f'<ros2_control name="arm" type="system">{HARDWARE}@</ros2_control>'

@@ -122,3 +122,20 @@ def test_what_keeps_a_drive_from_working() -> None:
     assert not explains_no_drive(about("ROB102", WARNING, drive))
     laser = "gazebo/plugin[@filename='libgazebo_ros_ray_sensors.so']"
     assert not explains_no_drive(about("ROB100", ERROR, laser))
+
+
+@pytest.mark.parametrize(
+    ("code", "element", "explains"),
+    [
+        ("ROB144", "link[@name='wheel']/collision", True),
+        ("ROB134", "plugin[@name='d']/wheel_radius", True),
+        ("ROB103", "gazebo/plugin[@filename='gz-sim-diff-drive-system']/wheel_radus", True),
+        ("ROB103", "gazebo/plugin[@filename='gz-sim-imu-system']/topik", False),
+        ("ROB053", "robot", False),
+    ],
+)
+def test_why_a_robot_does_not_drive_as_commanded(
+    code: str, element: str, *, explains: bool
+) -> None:
+    short = about("SPN085", ERROR, "behavior `drives`")
+    assert folded(about(code, element=element), run=short) is explains

@@ -29,7 +29,7 @@ def drive(
         for side, y in (("left", 0.2), ("right", -0.2)):
             wheel = f"{side}_{pair}"
             offset = 0.05 if side == "left" else -0.05  # of the tire from the joint
-            tire = f"<origin xyz='0 {offset} 0'/><geometry>{shape}</geometry>"
+            tire = f"<origin xyz='0 {offset} 0' rpy='1.5708 0 0'/><geometry>{shape}</geometry>"
             parts += [
                 link(wheel, f"{MASS}<collision>{tire}</collision>")
                 + f"<joint name='{wheel}_joint' type='continuous'><parent link='base'/>"
@@ -150,7 +150,7 @@ def sideways(text: str) -> list[tuple[str, str]]:
     ],
 )
 def test_driven_wheels_that_roll_sideways(changed: str, to: str, hint: str | None) -> None:
-    text = drive()
+    text = drive(shape="<sphere radius='0.1'/>")  # which rolls about any axis
     assert changed in text
     found = sideways(text.replace(changed, to))
     assert [joint for joint, _ in found] == (
@@ -167,3 +167,21 @@ def test_wheels_of_a_controller_that_roll_sideways() -> None:
     assert isinstance(content, yamlfile.Value)
     found = [*check_drive_controller(written, "drive", content, file)]
     assert [(one.code, one.file, one.line) for one in found] == [("ROB144", file, 1)] * 2
+
+
+@pytest.mark.parametrize(
+    ("origin", "axis", "hint"),
+    [
+        ("0 0 0", "0 1 0", 'Write rpy="1.5708 0 0" in the <origin> of its <collision>.'),
+        ("0 1.5708 0", "0 1 0", 'Write rpy="1.5708 0 0" in the <origin> of its <collision>.'),
+        ("1.5708 0 0", "0 1 0", None),
+        ("-1.5 0 0.2", "0 -1 0", None),
+    ],
+)
+def test_a_wheel_that_lies_across_its_axis(origin: str, axis: str, hint: str | None) -> None:
+    text = drive().replace("<origin xyz='0 0.05 0' rpy='1.5708 0 0'/>", f"<origin rpy='{origin}'/>")
+    written, _ = read_urdf(text.replace("0 1 0", axis), file=FILE)
+    assert written is not None
+    found = [*check_drive(written, FILE)]
+    assert [one.hint for one in found] == ([] if hint is None else [hint])
+    assert all(one.code == "ROB144" and "`left_0`" in one.message for one in found)

@@ -238,3 +238,20 @@ def test_of_names_alike_the_call_tells_which_is_meant(
     file = tmp_path / "robot.xacro"
     file.write_text(ALIKE)
     assert place(element, file).line == line
+
+
+def test_an_element_of_a_macro_that_its_link_calls(tmp_path: Path) -> None:
+    (tmp_path / "inertia.xacro").write_text(
+        "<robot>\n<xacro:macro name='box' params='mass'>\n<inertial>\n<inertia ixx='x'/></inertial>"
+        "\n</xacro:macro></robot>"
+    )
+    main = tmp_path / "main.xacro"
+    main.write_text(
+        "<robot><xacro:include filename='inertia.xacro'/>\n<link name='a'>\n"
+        "<xacro:box mass='1'/></link>\n<link name='b'><visual/></link></robot>"
+    )
+    found = place("link[@name='a']/inertial/inertia/@ixx", main)
+    assert (found.file, found.line) == (tmp_path / "inertia.xacro", 4)
+    assert found.message == "m The macro `box` is called in line 3 of main.xacro."
+    found = place("link[@name='b']/inertial/inertia/@ixx", main)
+    assert (found.file, found.line) == (main, 4)

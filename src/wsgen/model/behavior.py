@@ -14,6 +14,7 @@ from wsgen.model.time_series import TimeSeries  # noqa: TC001  as above
 from wsgen.model.world import Spawn  # noqa: TC001  as above
 from wsgen.values import dataclass
 
+ELEMENT = "behavior `{}`"  # of a diagnostic; with its name
 LEAST_TOLERANCE = 0.02  # m or rad; no engine is more exact
 
 

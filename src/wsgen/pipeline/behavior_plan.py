@@ -6,7 +6,7 @@ from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Severity
-from wsgen.model.behavior import BehaviorOutcome, BehaviorRun, Drive, LaunchTask
+from wsgen.model.behavior import ELEMENT, BehaviorOutcome, BehaviorRun, Drive, LaunchTask
 from wsgen.rules.behaviors import (
     check_behavior,
     check_live,
@@ -130,7 +130,7 @@ class BehaviorPlan:
             task = behavior.task
             if isinstance(task, LaunchTask) and self._can_run(behavior):
                 live = self.live.get(engine or "", {}).get(behavior.name)
-                is_failed = f"behavior `{behavior.name}`" in failed
+                is_failed = ELEMENT.format(behavior.name) in failed
                 outcomes.append(_outcome_of_run(behavior, task, live, is_failed=is_failed))
                 continue
             is_drive = isinstance(task, Drive)
@@ -138,7 +138,7 @@ class BehaviorPlan:
                 BehaviorOutcome(
                     name=behavior.name,
                     task=task,
-                    passed=behaved is not None and f"behavior `{behavior.name}`" not in failed,
+                    passed=behaved is not None and ELEMENT.format(behavior.name) not in failed,
                     moved=behaved.moved if behaved and is_drive else None,
                     seconds=behavior.seconds if behaved else None,
                     positions={name: behaved.positions[name] for name in task.positions}

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.diagnostics import Rule, Severity, has_errors
 from wsgen.events import OneAtATime
 from wsgen.isolation.result import Limits
+from wsgen.model.behavior import ELEMENT
 from wsgen.model.outcome import (
     ENGINE_NAMES,
     EngineOutcome,
@@ -161,11 +162,12 @@ def _simulate(  # noqa: PLR0913  as above
     ]
     found = [*not_run, *changes, *of_all_engines((one.engine, one.diagnostics) for one in results)]
     found += [*_compare(runnable, results), *known]
-    causes, found = _fold(runnable, found)
+    shown = {} if behavior_plan is None else behavior_plan.entities
+    causes, left = _fold(runnable, found, shown)
     first = outcomes[0]
     simulated = SimulationResult(
         robots=tuple(_outcome(robot, results, behavior_plan, found) for robot in robots),
-        diagnostics=tuple(found),
+        diagnostics=tuple(left),
         causes=causes,
         picture=first.picture,
         picture_tile=first.picture_tile,
@@ -335,13 +337,17 @@ def check_robot(
 
 
 def _fold(
-    robots: Sequence[PreparedRobot], found: Sequence[Diagnostic]
+    robots: Sequence[PreparedRobot], found: Sequence[Diagnostic], shown: Mapping[str, str]
 ) -> tuple[dict[Diagnostic, Diagnostic], list[Diagnostic]]:
-    """Causes in the descriptions with what follows from them, and all other diagnostics."""
+    """Causes in the descriptions with what follows from them, and all other diagnostics.
+
+    `shown` says which robot shows a behavior, by its name.
+    """
     causes: dict[Diagnostic, Diagnostic] = {}
     left = list(found)
     for robot in robots:
-        own = [one for one in left if one.element == robot.entity]
+        names = {ELEMENT.format(name) for name, entity in shown.items() if entity == robot.entity}
+        own = [one for one in left if one.element in {robot.entity, *names}]
         folded = fold_consequences(robot.diagnostics, own)
         changed = zip(robot.diagnostics, folded.prepared, strict=True)
         causes |= {before: after for before, after in changed if before != after}

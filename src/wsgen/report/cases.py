@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Severity
+from wsgen.model.behavior import ELEMENT
 from wsgen.model.outcome import ENGINE_NAMES
 from wsgen.report.check_formats import full_message, relative_name
 from wsgen.report.junit import Case, Failure, Suite
@@ -186,7 +187,7 @@ def _no_robot(context: _Context) -> Case:
 
 def _about(robot: RobotOutcome, package: PackageOutcome) -> list[Diagnostic]:
     """The diagnostics of a robot's run and of its behaviors."""
-    names = {f"behavior `{behavior.name}`" for behavior in robot.behaviors}
+    names = {ELEMENT.format(behavior.name) for behavior in robot.behaviors}
     codes = {rule.code for rules in OF_RUNS.values() for rule in rules}
     codes |= {rule.code for rule in OF_COMPARISON}
     return [
@@ -234,6 +235,11 @@ def _explained(robot: RobotOutcome, codes: set[str], context: _Context) -> list[
     shown = set().union(*(one.codes for one in robot.engines))
     if robot.passed or not codes & shown:
         return []
+    return _described(context)
+
+
+def _described(context: _Context) -> list[Diagnostic]:
+    """The errors of the description, in which what follows from them is folded."""
     return [
         one
         for one in context.package.diagnostics
@@ -248,11 +254,13 @@ def _behaviors(robot: RobotOutcome, own: Sequence[Diagnostic], context: _Context
         each = [("", robot.behaviors)]
     for where, behaviors in each:
         for behavior in behaviors:
-            found = [one for one in own if one.element == f"behavior `{behavior.name}`"]
+            found = [one for one in own if one.element == ELEMENT.format(behavior.name)]
             name = f"{robot.entity}: {behavior.name}{where}"
             if behavior.passed:
                 found = [one for one in found if not _is_error(one)]
-            elif not any(map(_is_error, found)):
+            elif behavior.seconds is not None:
+                found = found or _described(context)
+            if not behavior.passed and not any(map(_is_error, found)):
                 why = "It was left out." if behavior.is_left_out else "It was not simulated."
                 yield context.skipped(name, why)
                 continue

@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
-from wsgen.model.behavior import Drive, LaunchTask, Reach
+from wsgen.model.behavior import ELEMENT, Drive, LaunchTask, Reach
 from wsgen.model.robot import LITTLE_GRIP, JointType
 from wsgen.suggestions import ask_for_nearest
 
@@ -203,7 +203,7 @@ def launch_not_run(
     yield LAUNCH_NOT_RUN.at(
         file,
         behavior.line,
-        f"behavior `{behavior.name}`",
+        ELEMENT.format(behavior.name),
         message=f"`{behavior.name}` is skipped: {reason[:1].lower()}{reason[1:].rstrip('.')}.",
         hint=hint,
         severity=severity,
@@ -618,7 +618,7 @@ def error_about(rule: Rule, behavior: Behavior, file: Path, message: str, hint: 
     return rule.at(
         file,
         behavior.line,
-        f"behavior `{behavior.name}`",
+        ELEMENT.format(behavior.name),
         message=f"`{behavior.name}`: {message}",
         hint=hint,
     )

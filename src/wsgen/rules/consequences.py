@@ -14,16 +14,23 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.description_rules import IMPOSSIBLE_INERTIA, MISSPELLED_ATTRIBUTE, MISSPELLED_ELEMENT
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.meshes.inspection import IMPLAUSIBLE_MESH_SIZE
+from wsgen.rules.behaviors import (
+    BEHAVIOR_EXPLODES,
+    HEADING_NOT_REACHED,
+    POSITION_NOT_REACHED,
+)
 from wsgen.rules.bodies import (
     CENTER_OF_MASS_OUTSIDE,
     IMPLAUSIBLE_DENSITY,
     UNLIKE_SHAPES,
     WHEEL_WITHOUT_COLLISION,
 )
+from wsgen.rules.drives import DRIVE_UNLIKE_WHEELS, WHEEL_ROLLS_SIDEWAYS
 from wsgen.rules.plugins import (
     PLUGIN_OF_OTHER_SIMULATOR,
     UNKNOWN_PLUGIN,
     UNKNOWN_PLUGIN_PART,
+    UNREAD_PLUGIN_PARAMETER,
 )
 from wsgen.rules.robots import (
     IMPLAUSIBLE_INERTIA,
@@ -69,8 +76,11 @@ def _codes(*rules: Rule) -> tuple[str, ...]:
 EXPLODES = _codes(STATE_NOT_FINITE, THROWN_INTO_THE_AIR, GAINS_ENERGY, ENGINE_UNSTABLE)
 FALLS = _codes(FALLS_WITHOUT_END, KEEPS_MOVING, TIPS_OVER, LEANS)
 MOVES = (*_codes(STUCK_IN_GROUND, JOINT_BEYOND_LIMIT), *FALLS, *EXPLODES)
+# What the behaviors of a package show.
+DRIVES = _codes(POSITION_NOT_REACHED, HEADING_NOT_REACHED)
+BEHAVES = (*DRIVES, BEHAVIOR_EXPLODES.code)
 # The start, and that two engines never agree on what explodes or falls.
-ANY = (*MOVES, *_codes(SPAWNED_IN_GROUND, SPAWNED_HIGH, ENGINES_DISAGREE))
+ANY = (*MOVES, *BEHAVES, *_codes(SPAWNED_IN_GROUND, SPAWNED_HIGH, ENGINES_DISAGREE))
 
 
 class Consequence(NamedTuple):
@@ -88,7 +98,7 @@ CONSEQUENCES = (
     Consequence(IMPLAUSIBLE_SIZE.code, ANY),
     Consequence(IMPLAUSIBLE_MESH_SIZE.code, ANY),
     Consequence(OVERSIZED_PART.code, ANY),
-    Consequence(IMPLAUSIBLE_MASS.code, (*MOVES, ENGINES_DISAGREE.code)),
+    Consequence(IMPLAUSIBLE_MASS.code, (*MOVES, *BEHAVES, ENGINES_DISAGREE.code)),
     # Nothing touches the ground.
     Consequence(NO_COLLISION.code, _codes(FALLS_WITHOUT_END)),
     Consequence(SHAPE_LEFT_OUT.code, _codes(FALLS_WITHOUT_END, TIPS_OVER, LEANS)),
@@ -98,7 +108,12 @@ CONSEQUENCES = (
     # The weight is elsewhere, or what should carry it touches nothing.
     Consequence(CENTER_OF_MASS_OUTSIDE.code, MOVES),
     Consequence(UNLIKE_SHAPES.code, ANY),
-    Consequence(WHEEL_WITHOUT_COLLISION.code, _codes(TIPS_OVER, LEANS, SPAWNED_IN_GROUND)),
+    *(
+        Consequence(cause.code, (*_codes(TIPS_OVER, LEANS, SPAWNED_IN_GROUND), *DRIVES))
+        for cause in (WHEEL_WITHOUT_COLLISION, WHEEL_ROLLS_SIDEWAYS)
+    ),
+    # The wheels turn as the plugin computes it from other sizes.
+    *(Consequence(cause.code, DRIVES) for cause in (DRIVE_UNLIKE_WHEELS, UNREAD_PLUGIN_PARAMETER)),
     # A part falls off.
     Consequence(LOOSE_JOINT.code, (), errors=FALLS),
     Consequence(JOINT_LEFT_OUT.code, (), errors=FALLS),
@@ -186,6 +201,10 @@ def _cause_of(found: Diagnostic, causes: Sequence[Diagnostic]) -> int | None:
 def _has_effect(cause: Diagnostic) -> bool:
     """Whether it can change how a robot moves; what is only seen or read cannot."""
     element = cause.element or ""
+    if cause.code == DRIVE_UNLIKE_WHEELS.code:
+        return True
+    if cause.code == UNREAD_PLUGIN_PARAMETER.code:
+        return DIFF_DRIVE.search(element) is not None
     tags = NAME.sub("", element).split("/")
     if any(meant_element(tag, WITHOUT_EFFECT) for tag in tags if tag):
         return False

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from wsgen import yamlfile
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.behavior import WheelPair
-    from wsgen.model.robot import Link, Plugin, Robot
+    from wsgen.model.robot import Collision, Joint, Link, Plugin, Robot, Visual
     from wsgen.model.transform import Pose
 
     XYZ = tuple[float, float, float]
@@ -54,9 +54,10 @@ WHEEL_ROLLS_SIDEWAYS = Rule(
     code="ROB144",
     name="wheel-rolls-sideways",
     severity=Severity.ERROR,
-    summary="The axis of a driven wheel is not along the line between the wheels.",
+    summary="A driven wheel does not roll: its joint, or its shape, has the wrong axis.",
     what="Compares the axes of the two wheels that a drive plugin or a diff_drive_controller turns "
-    "with the line between their joints. Without `<axis>` the axis is x of the joint.",
+    "with the line between their joints, and with the cylinders of their collisions. Without "
+    "`<axis>` the axis is x of the joint; the axis of a cylinder is z of its `<origin>`.",
     why="A wheel rolls about the line to the opposite wheel. About another axis it rolls sideways "
     "or spins in place, and the robot does not drive.",
     example="""
@@ -93,6 +94,7 @@ def wheels_across(
     `line` is the place in the file where that is not of the robot.
     """
     joints = {joint.name: joint for joint in robot.joints if joint.is_movable}
+    links = {link.name: link for link in robot.links}
     poses = poses_of(robot.joints)
     for names in dict.fromkeys(pairs):
         pair = [joints.get(name) for name in names]
@@ -108,6 +110,7 @@ def wheels_across(
             axis = rotate(rotation_of_rpy(pose.rpy), one.axis_in_joint)
             along = sum(a * b for a, b in zip(axis, across, strict=True)) / length
             if abs(along) >= ACROSS * math.hypot(*axis):
+                yield from _lying_across(one, links.get(one.child), file, line)
                 continue
             yield WHEEL_ROLLS_SIDEWAYS.at(
                 file,
@@ -119,6 +122,40 @@ def wheels_across(
                 + ", perpendicular to the line to the opposite wheel: it does not roll.",
                 hint=f'Write <axis xyz="{_axis(pose, across)}"/> in the joint `{one.name}`.',
             )
+
+
+def _lying_across(
+    joint: Joint, wheel: Link | None, file: Path | None, line: int | None
+) -> Iterator[Diagnostic]:
+    """Report a wheel whose cylinder is not turned to the axis of its joint."""
+    if wheel is None or len(wheel.collisions) != 1:
+        return
+    (tire,) = wheel.collisions
+    axis = joint.axis_in_joint
+    if not _is_across(tire, axis):
+        return
+    seen = ", and of its <visual>" if any(_is_across(one, axis) for one in wheel.visuals) else ""
+    turned = TURNED.get(max(range(3), key=lambda index: abs(axis[index])))
+    yield WHEEL_ROLLS_SIDEWAYS.at(
+        file,
+        wheel.line if line is None else line,
+        f"link[@name='{wheel.name}']/collision",
+        message=f"The cylinder of the driven wheel `{wheel.name}` lies across the axis "
+        f"{' '.join(f'{part:g}' for part in axis)} of its joint `{joint.name}`: it does not roll.",
+        hint=f'Write rpy="{turned}" in the <origin> of its <collision>{seen}.'
+        if turned
+        else "Turn its <collision> until z of it is along the axis.",
+    )
+
+
+def _is_across(part: Collision | Visual, axis: XYZ) -> bool:
+    """Whether a cylinder is not turned to an axis of its link."""
+    along = rotate(rotation_of_rpy(part.pose_in_link.rpy), (0.0, 0.0, 1.0))
+    cosine = sum(a * b for a, b in zip(along, axis, strict=True)) / math.hypot(*axis)
+    return isinstance(part.geometry, Cylinder) and abs(cosine) < ACROSS
+
+
+TURNED = {0: "0 1.5708 0", 1: "1.5708 0 0"}  # to x and to y; a cylinder is along z
 
 
 def _axis(pose: Pose, across: XYZ) -> str:

@@ -31,6 +31,7 @@ from wsgen.model.robot import (
     Visual,
 )
 from wsgen.model.transform import IDENTITY, Pose
+from wsgen.suggestions import advice
 from wsgen.urdf.unknown_elements import SHAPES, meant_element
 from wsgen.urdf.values import line_of, read_number, read_numbers, read_triple
 from wsgen.xmltree import children
@@ -505,8 +506,12 @@ def _used_color(
         collector.report(
             UNDEFINED_MATERIAL,
             f"The material `{name}` is not defined.",
-            hint=f'Add <material name="{name}"><color rgba="0.5 0.5 0.5 1"/></material> to the '
-            "robot; without it, simulators use their default color.",
+            hint=advice(
+                name,
+                materials,
+                f'Add <material name="{name}"><color rgba="0.5 0.5 0.5 1"/></material> to the '
+                "robot; without it, simulators use their default color.",
+            ),
             at=material,
             path=path,
         )

@@ -16,7 +16,7 @@ from wsgen.markup import elements, read_text
 from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
@@ -95,6 +95,14 @@ def _placed(diagnostic: Diagnostic, written: list[Written], expanded: list[Writt
             if (one.line == diagnostic.line or len(origins) == 1) and len(inner) == len(origins):
                 place, origin = inner[at], one
         called = _with_call(diagnostic, element, attribute, value, written)
+        if tags and not inner and (there := _in_called_macro(element, tags, written)) is not None:
+            place, call = there
+            return replace(
+                called,
+                message=f"{diagnostic.message} {_of_call(call, place)}",
+                file=place.file,
+                line=place.line_of(last) if last else place.line,
+            )
         if last and origin is not None:
             return _at_attribute(called, last, place, origin, written)
         return replace(called, file=place.file, line=place.line)
@@ -124,12 +132,13 @@ def _with_call(
     calls = [one for one in _calls(macro, written) if _gives(pattern, one.attributes, value)]
     if len(calls) != 1:
         return diagnostic
-    (call,) = calls
+    return replace(diagnostic, message=f"{diagnostic.message} {_of_call(calls[0], element)}")
+
+
+def _of_call(call: Written, element: Written) -> str:
+    """Where the macro is called that the element is in."""
     where = "" if call.file == element.file else f" of {call.file.name}"
-    return replace(
-        diagnostic,
-        message=f"{diagnostic.message} The macro `{macro}` is called in line {call.line}{where}.",
-    )
+    return f"The macro `{_called(call)}` is called in line {call.line}{where}."
 
 
 def _macro_of(element: Written) -> str | None:
@@ -140,11 +149,28 @@ def _macro_of(element: Written) -> str | None:
 
 def _calls(macro: str | None, written: Iterable[Written]) -> list[Written]:
     """The calls of a macro."""
-    return [
-        one
-        for one in written
-        if one.tag.startswith("xacro:") and one.tag.rpartition(":")[2].rpartition(".")[2] == macro
-    ]
+    return [one for one in written if one.tag.startswith("xacro:") and _called(one) == macro]
+
+
+def _called(call: Written) -> str:
+    """The name of the macro, without that of its file's namespace."""
+    return call.tag.rpartition(":")[2].rpartition(".")[2]
+
+
+def _in_called_macro(
+    element: Written, tags: list[str], written: list[Written]
+) -> tuple[Written, Written] | None:
+    """What a path leads to in a macro that is called in the element, and the call, if it is one."""
+    found = []
+    for call in _below(element, written):
+        between = [step for step in call.path[len(element.path) : -1] if ":" not in step]
+        if not call.tag.startswith("xacro:") or tags[: len(between)] != between:
+            continue
+        for macro in written:
+            if macro.tag == "xacro:macro" and macro.attributes.get("name") == _called(call):
+                inside = _inside(macro, tags[len(between) :], written)
+                found += [(one, call) for one in inside if one is not macro]
+    return found[0] if len(found) == 1 else None
 
 
 def _is_made(element: Written, attribute: str, value: str, written: Iterable[Written]) -> bool:
@@ -196,18 +222,25 @@ def _inside(element: Written, steps: list[str], document: list[Written]) -> list
     depth = len(element.path)
     tags = [step.partition("[")[0] for step in steps]
     named = NAMED.fullmatch(steps[-1]) if steps else None
-    found = []
-    start = next(place for place, one in enumerate(document) if one is element)
-    for one in document[start:]:
-        if one is not element and (len(one.path) <= depth or one.file != element.file):
-            break
-        if [tag for tag in one.path[depth:] if not tag.startswith("xacro:")] == tags:
-            found.append(one)
+    found = [
+        one
+        for one in (element, *_below(element, document))
+        if [tag for tag in one.path[depth:] if not tag.startswith("xacro:")] == tags
+    ]
     if named is None:
         return found
     _, attribute, value = named.groups()
     meant = _most_like(value, attribute, found, document)
     return [] if meant is None else [meant]
+
+
+def _below(element: Written, document: list[Written]) -> Iterator[Written]:
+    """The elements in an element."""
+    start = next(place for place, one in enumerate(document) if one is element)
+    for one in document[start + 1 :]:
+        if len(one.path) <= len(element.path) or one.file != element.file:
+            return
+        yield one
 
 
 def _at_attribute(
