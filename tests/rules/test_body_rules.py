@@ -195,3 +195,13 @@ def test_a_caster_that_drags() -> None:
     assert not list(dragging_casters({TURNS.name}, [bare], joints, [], FILE))
     turning = replace(held, type=JointType.CONTINUOUS)
     assert not list(dragging_casters({TURNS.name}, [caster], [turning], [], FILE))
+
+
+def test_one_link_may_have_the_mass_of_all_that_are_fixed_to_it() -> None:
+    fixed = Joint(name="j", type=JointType.FIXED, parent="a", child="b")
+    small = replace(link(Sphere(radius=0.05)), name="b")
+    for mass, expected in ((200.0, []), (400.0, ["ROB118"])):
+        found = check_bodies([link(CUBE, mass=mass), small], [fixed], FILE)
+        assert [one.code for one in found] == expected
+    unknown = replace(small, collisions=(Collision(geometry=Mesh(uri="a.stl")),))
+    assert not [*check_bodies([link(CUBE, mass=400.0), unknown], [fixed], FILE)]

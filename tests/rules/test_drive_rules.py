@@ -185,3 +185,17 @@ def test_a_wheel_that_lies_across_its_axis(origin: str, axis: str, hint: str | N
     found = [*check_drive(written, FILE)]
     assert [one.hint for one in found] == ([] if hint is None else [hint])
     assert all(one.code == "ROB144" and "`left_0`" in one.message for one in found)
+
+
+@pytest.mark.parametrize(("radius", "expected"), [("8", ["ROB145"]), ("2", [])])
+def test_wheels_in_centimeters_of_a_robot_that_is_as_high(radius: str, expected: list[str]) -> None:
+    text = drive(shape=f"<cylinder radius='{radius}' length='0.05'/>").replace(
+        "<gazebo>",
+        f"{link('low')}<joint name='j' type='fixed'><parent link='base'/>"
+        f"<child link='low'/><origin xyz='0 0 -{radius}'/></joint><gazebo>",
+    )
+    written, _ = read_urdf(text, file=FILE)
+    assert written is not None
+    found = [*check_drive(written, FILE)]
+    assert [one.code for one in found] == expected
+    assert all("for 8 cm, write 0.08" in (one.hint or "") for one in found)

@@ -76,6 +76,22 @@ def check_bodies(
         yield from unlike_shapes(link, file)
         if link.name not in attached and link.is_as_meant:
             yield from body_in_its_shapes(link, file)
+    for group in _attached(links, joints):
+        yield from _density_of_several(group, file)
+
+
+def _attached(links: Sequence[Link], joints: Iterable[Joint]) -> Iterator[list[Link]]:
+    """The links that fixed joints attach to each other; of each group, more than one."""
+    group_of = {link.name: [link] for link in links}
+    for joint in joints:
+        if joint.type is not JointType.FIXED:
+            continue
+        one, other = group_of.get(joint.parent, []), group_of.get(joint.child, [])
+        if one is not other:
+            one += other
+            group_of |= {link.name: one for link in other}
+    groups = {id(group): group for group in group_of.values()}
+    yield from (group for group in groups.values() if len(group) > 1)
 
 
 CENTER_OF_MASS_OUTSIDE = Rule(
@@ -180,19 +196,50 @@ def _inertia_of_several(link: Link, extent: Extent, file: Path | None) -> Iterat
         )
 
 
-def _density(link: Link, file: Path | None) -> Iterator[Diagnostic]:
-    mass = link.inertial.mass if link.inertial is not None else 0.0
-    collisions = [(one.geometry, one.pose_in_link) for one in link.collisions]
-    visuals = [(one.geometry, one.pose_in_link) for one in link.visuals]
+def _mass(link: Link) -> float:
+    return 0.0 if link.inertial is None else link.inertial.mass
+
+
+def _largest_volume(link: Link) -> float | None:
+    """At most so many m³ are in the shapes of a link; None where a mesh is not known."""
     # Either may leave parts out; the larger is nearer to what is weighed.
-    boxes = [_around(shapes) for shapes in (collisions, visuals) if shapes]
-    volumes = [volume_of(geometry) for geometry, _ in collisions or visuals]
+    boxes = [
+        _around((one.geometry, one.pose_in_link) for one in shapes)
+        for shapes in (link.collisions, link.visuals)
+        if shapes
+    ]
+    volumes = [volume_of(one.geometry) or 0.0 for one in link.collisions or link.visuals]
+    sizes = [math.prod(box.size) for box in boxes if box is not None]
+    return None if len(sizes) < len(boxes) else max(sum(volumes), *sizes, 0.0)
+
+
+def _density_of_several(links: Sequence[Link], file: Path | None) -> Iterator[Diagnostic]:
+    """As IMPLAUSIBLE_DENSITY of links that are attached: one may have the mass of all."""
+    mass = sum(map(_mass, links))
+    volumes = [_largest_volume(link) for link in links]
+    volume = sum(one for one in volumes if one is not None)
+    heaviest = max(links, key=_mass)
+    if None in volumes or not HEAVIEST >= mass > HIGHEST_DENSITY * volume > 0:
+        return
+    yield IMPLAUSIBLE_DENSITY.at(
+        file,
+        heaviest.line,
+        f"link[@name='{heaviest.name}']/inertial/mass",
+        message=f"The link `{heaviest.name}` weighs {_mass(heaviest):g} kg, and with all that is "
+        f"fixed to it {mass:g} kg in {volume * 1000:.3g} liters: no material is this dense.",
+        hint="Write the mass in kilograms and the sizes of the shapes in meters.",
+    )
+
+
+def _density(link: Link, file: Path | None) -> Iterator[Diagnostic]:
+    mass = _mass(link)
+    volumes = [volume_of(one.geometry) for one in link.collisions or link.visuals]
     filled = sum(volume for volume in volumes if volume is not None)
-    largest = max(filled, *(math.prod(box.size) for box in boxes if box is not None))
-    is_heavy = None not in boxes and mass > HIGHEST_DENSITY * largest > 0
+    largest = _largest_volume(link)
+    is_heavy = largest is not None and mass > HIGHEST_DENSITY * largest > 0
     is_light = None not in volumes and mass < LOWEST_DENSITY * filled
     if is_heavy or is_light:
-        volume = largest if is_heavy else filled
+        volume = largest or filled if is_heavy else filled
         yield IMPLAUSIBLE_DENSITY.at(
             file,
             link.line,

@@ -123,7 +123,7 @@ CONSEQUENCES = (
     # So does one that is too heavy for what carries it, or sinks in.
     Consequence(
         IMPLAUSIBLE_DENSITY.code,
-        (*EXPLODES, STUCK_IN_GROUND.code),
+        (*EXPLODES, *BEHAVES, STUCK_IN_GROUND.code),
         errors=_codes(KEEPS_MOVING),
     ),
     Consequence(DEFAULT_INERTIA.code, EXPLODES, errors=_codes(KEEPS_MOVING)),

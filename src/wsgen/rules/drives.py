@@ -13,11 +13,11 @@ from wsgen.model.behavior import DiffDrive
 from wsgen.model.gazebo_plugins import PARTS, stem
 from wsgen.model.robot import Cylinder, Sphere
 from wsgen.model.transform import IDENTITY, compose, rotate, rotation_of_rpy, transpose
-from wsgen.rules.robots import poses_of
+from wsgen.rules.robots import OVERSIZED, OVERSIZED_PART, poses_of
 from wsgen.urdf.diff_drive import CLASSIC, SIMULATORS, find_diff_drive
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from wsgen import yamlfile
@@ -199,10 +199,30 @@ def check_drive(robot: Robot, file: Path | None) -> Iterator[Diagnostic]:
             continue
         yield from _radius(pair, (left, right), plugin, simulator, file)
         middles = [_middle(wheel, poses) for wheel in (left, right)]
+        yield from _oversized(left, middles, file)
         if None not in middles and "wheel_separation" in plugin.values:
             most = SLIDING if len(drive.pairs) > 1 else FAR_OFF
             apart = math.dist(*middles)  # type: ignore[arg-type]  # neither is None
             yield from _separation(pair, (left, right), apart, most, plugin, file)
+
+
+def _oversized(
+    wheel: Link, middles: Sequence[XYZ | None], file: Path | None
+) -> Iterator[Diagnostic]:
+    """Report wheels much larger than their distance, of a robot that is as high as they are."""
+    tire, (one, other) = _tire(wheel), middles
+    if tire is None or one is None or other is None:
+        return
+    apart = math.dist(one, other)
+    if 2 * tire[0] > OVERSIZED * apart > 0:
+        yield OVERSIZED_PART.at(
+            file,
+            wheel.line,
+            f"link[@name='{wheel.name}']",
+            message=f"The wheel `{wheel.name}` has a radius of {tire[0]:g} m, but the wheels are "
+            f"only {apart:.3g} m apart.",
+            hint=f"Use meters: for {tire[0]:g} cm, write {tire[0] / 100:g}.",
+        )
 
 
 def check_drive_controller(

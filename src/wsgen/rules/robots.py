@@ -172,7 +172,8 @@ def oversized_parts(
         for link in links
     }
     poses = poses_of(joints)
-    places = [poses.get(link.name, IDENTITY).xyz for link in links]
+    # A frame without a shape may be as far away as a wheel that is too large is high.
+    places = [poses.get(link.name, IDENTITY).xyz for link in links if any(_shapes(link))]
     apart = max((math.dist(places[0], place) for place in places), default=0.0)
     reported: set[float] = set()
     for link in links:
