@@ -27,6 +27,7 @@ from wsgen.model.robot import (
 )
 from wsgen.model.transform import Pose
 from wsgen.rules.bodies import (
+    attached_bodies,
     check_bodies,
     dragging_casters,
     extent_of,
@@ -201,7 +202,7 @@ def test_one_link_may_have_the_mass_of_all_that_are_fixed_to_it() -> None:
     fixed = Joint(name="j", type=JointType.FIXED, parent="a", child="b")
     small = replace(link(Sphere(radius=0.05)), name="b")
     for mass, expected in ((200.0, []), (400.0, ["ROB118"])):
-        found = check_bodies([link(CUBE, mass=mass), small], [fixed], FILE)
+        found = attached_bodies([link(CUBE, mass=mass), small], [fixed], FILE)
         assert [one.code for one in found] == expected
     unknown = replace(small, collisions=(Collision(geometry=Mesh(uri="a.stl")),))
-    assert not [*check_bodies([link(CUBE, mass=400.0), unknown], [fixed], FILE)]
+    assert not [*attached_bodies([link(CUBE, mass=400.0), unknown], [fixed], FILE)]

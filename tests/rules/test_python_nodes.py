@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.rules.python_nodes import check_node, idle_program
+from wsgen.rules.python_nodes import check_node, idle_program, unspun_node
 from wsgen.workspace.python_nodes import read_node_file
 
 if TYPE_CHECKING:
@@ -68,7 +68,11 @@ def check(folder: Path, text: str) -> list[Diagnostic]:
     file = folder / "patrol.py"
     file.write_text(text)
     node = read_node_file(file)
-    return [] if node is None else [*check_node(node, WORKSPACE), *idle_program(node)]
+    return (
+        []
+        if node is None
+        else [*check_node(node, WORKSPACE), *idle_program(node), *unspun_node(node)]
+    )
 
 
 def swap(old: str, new: str) -> str:
@@ -110,6 +114,7 @@ def test_a_sound_node(tmp_path: Path) -> None:
         ("def main", "def man", "BLD073", 45, "`man`"),
         ("rclpy.spin(Patrol())", "rclpy.spin(Patrol(), true)", "BLD073", 41, "`True`"),
         ("\n\nif __name__ == '__main__':\n    main()\n", "\n", "BLD074", 39, "main()"),
+        ("rclpy.spin(Patrol())", "Patrol()", "BLD074", 40, "rclpy.spin(node)"),
         ("self.tick)", "self.tick())", "BLD075", 20, "self.tick"),
         ("TwistStamped, '/cmd_vel', 10", "'/cmd_vel', TwistStamped, 10", "BLD075", 16, "TYPE"),
         ("'/cmd_vel', 10)", "'/cmd_vel')", "BLD075", 16, "TOPIC, 10)"),
@@ -140,7 +145,7 @@ USED = "self.nearest > 1"
             (USED, "self.of_mixin"),
         ],
         [("spin(Patrol())", "spin(node := Patrol())\n    node.extra = 1"), (USED, "self.extra")],
-        [("rclpy.spin(Patrol())", "pass"), (USED, "self.of_a_class_elsewhere")],
+        [("rclpy.spin(Patrol())", "rclpy.spin()"), (USED, "self.of_a_class_elsewhere")],
         [(USED, "hasattr(self, 'near') and self.near > 1")],
         [
             ("self.tick)", "self.chosen())"),
@@ -179,3 +184,19 @@ def test_what_may_be_right(tmp_path: Path, edits: list[tuple[str, str]]) -> None
         assert old in text
         text = text.replace(old, new)
     assert check(tmp_path, text) == []
+
+
+@pytest.mark.parametrize(
+    "ends",
+    [
+        "while rclpy.ok():\n        rclpy.spin_once(Patrol())",
+        "executor = rclpy.executors.SingleThreadedExecutor()\n    executor.add_node(Patrol())",
+        "from bot.tools import go\n    go(Patrol())",
+        "Patrol().wait_for_pause()",
+    ],
+)
+def test_a_node_that_may_be_spun(tmp_path: Path, ends: str) -> None:
+    folder = tmp_path / "bot"
+    folder.mkdir()
+    found = check(folder, swap("rclpy.spin(Patrol())", ends))
+    assert "BLD074" not in [one.code for one in found]

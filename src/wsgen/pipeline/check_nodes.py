@@ -10,7 +10,7 @@ from wsgen.diagnostics import Severity
 from wsgen.launch.commands import started_programs
 from wsgen.pipeline.check_launched import topics_of_launch
 from wsgen.rules.node_topics import UsedTopic, remapped, unheard_commands, unpublished_topics
-from wsgen.rules.python_nodes import check_node, idle_program
+from wsgen.rules.python_nodes import check_node, idle_program, unspun_node
 from wsgen.workspace.python_nodes import KINDS, read_node_file
 
 if TYPE_CHECKING:
@@ -40,6 +40,8 @@ def check_nodes(build: BuildFacts, packages: Mapping[str, PackageFolder]) -> Ite
             yield found if is_started else replace(found, severity=Severity.WARNING)
         if file in programs and file.stem not in imported:
             yield from idle_program(node)
+        if is_started and file.stem not in imported:
+            yield from unspun_node(node)
 
 
 def _interfaces(folder: Path) -> frozenset[str]:

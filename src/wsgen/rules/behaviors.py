@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.behavior import ELEMENT, Drive, LaunchTask, Reach
 from wsgen.model.robot import LITTLE_GRIP, JointType
+from wsgen.rules.runs import BEHAVIOR_EXPLODES, HEADING_NOT_REACHED, POSITION_NOT_REACHED
 from wsgen.suggestions import ask_for_nearest
 
 if TYPE_CHECKING:
@@ -210,20 +211,6 @@ def launch_not_run(
     )
 
 
-POSITION_NOT_REACHED = Rule(
-    code="SPN085",
-    name="position-not-reached",
-    severity=Severity.ERROR,
-    summary="A driven robot does not reach the position in its behavior.",
-    what="Drives the robot through its plugin, or runs the launch file (`run = true`), and "
-    "compares its final position with `moved`. The difference may be `tolerance` times the "
-    "distance.",
-    why="Odometry and navigation rely on the sizes in the plugin: they would be wrong by as much.",
-    example="<wheel_radius>0.2</wheel_radius>  <!-- of a wheel with a radius of 0.1 m -->",
-    instead="<wheel_radius>0.1</wheel_radius>",
-)
-
-
 def position_not_reached(  # noqa: PLR0913  what is compared, and what is said
     behavior: Behavior,
     task: Drive,
@@ -255,20 +242,6 @@ def position_not_reached(  # noqa: PLR0913  what is compared, and what is said
             f"from its start; expected: {wanted}, within {slack:.2g} m.",
             hint or _why_slipping(drive, x, task.x) or _why_position_not_reached(task, x, drive),
         )
-
-
-HEADING_NOT_REACHED = Rule(
-    code="SPN086",
-    name="heading-not-reached",
-    severity=Severity.ERROR,
-    summary="A driven robot does not turn by the angle in its behavior.",
-    what="Drives the robot through its plugin, or runs the launch file (`run = true`), and "
-    "compares its rotation with the `yaw` of `moved`. The difference may be `tolerance` times the "
-    "angle.",
-    why="Odometry and navigation rely on the sizes in the plugin: they would be wrong by as much.",
-    example="<wheel_separation>0.8</wheel_separation>  <!-- between the outer sides -->",
-    instead="<wheel_separation>0.6</wheel_separation>  <!-- between the contacts -->",
-)
 
 
 def heading_not_reached(  # noqa: PLR0913  as above
@@ -345,18 +318,6 @@ def joints_not_reached(
             f"after {behavior.seconds:g} s {joints}.",
             hint or WHY_JOINTS_NOT_REACHED,
         )
-
-
-BEHAVIOR_EXPLODES = Rule(
-    code="SPN088",
-    name="behavior-explodes",
-    severity=Severity.ERROR,
-    summary="A position became infinite or not-a-number while a behavior was simulated.",
-    what="Looks at every pose and joint position.",
-    why="The simulation exploded. Gazebo stops with an assertion or shows nothing.",
-    example='<limit lower="-1.57" upper="1.57" effort="1e12" velocity="1"/>',
-    instead='<limit lower="-1.57" upper="1.57" effort="20" velocity="1"/>',
-)
 
 
 def behavior_explodes(behavior: Behavior, file: Path) -> Iterator[Diagnostic]:

@@ -76,8 +76,27 @@ def check_bodies(
         yield from unlike_shapes(link, file)
         if link.name not in attached and link.is_as_meant:
             yield from body_in_its_shapes(link, file)
+
+
+def attached_bodies(
+    links: Sequence[Link], joints: Iterable[Joint], file: Path | None
+) -> Iterator[Diagnostic]:
+    """As IMPLAUSIBLE_DENSITY of links that are attached: one may have the mass of all."""
     for group in _attached(links, joints):
-        yield from _density_of_several(group, file)
+        mass = sum(map(_mass, group))
+        volumes = [_largest_volume(link) for link in group]
+        volume = sum(one for one in volumes if one is not None)
+        if None in volumes or not HEAVIEST >= mass > HIGHEST_DENSITY * volume > 0:
+            continue
+        heaviest = max(group, key=_mass)
+        yield IMPLAUSIBLE_DENSITY.at(
+            file,
+            heaviest.line,
+            f"link[@name='{heaviest.name}']/inertial/mass",
+            message=f"The link `{heaviest.name}` weighs {_mass(heaviest):g} kg, and with all that "
+            f"is fixed to it {mass:g} kg in {volume * 1000:.3g} liters: no material is this dense.",
+            hint="Write the mass in kilograms and the sizes of the shapes in meters.",
+        )
 
 
 def _attached(links: Sequence[Link], joints: Iterable[Joint]) -> Iterator[list[Link]]:
@@ -211,24 +230,6 @@ def _largest_volume(link: Link) -> float | None:
     volumes = [volume_of(one.geometry) or 0.0 for one in link.collisions or link.visuals]
     sizes = [math.prod(box.size) for box in boxes if box is not None]
     return None if len(sizes) < len(boxes) else max(sum(volumes), *sizes, 0.0)
-
-
-def _density_of_several(links: Sequence[Link], file: Path | None) -> Iterator[Diagnostic]:
-    """As IMPLAUSIBLE_DENSITY of links that are attached: one may have the mass of all."""
-    mass = sum(map(_mass, links))
-    volumes = [_largest_volume(link) for link in links]
-    volume = sum(one for one in volumes if one is not None)
-    heaviest = max(links, key=_mass)
-    if None in volumes or not HEAVIEST >= mass > HIGHEST_DENSITY * volume > 0:
-        return
-    yield IMPLAUSIBLE_DENSITY.at(
-        file,
-        heaviest.line,
-        f"link[@name='{heaviest.name}']/inertial/mass",
-        message=f"The link `{heaviest.name}` weighs {_mass(heaviest):g} kg, and with all that is "
-        f"fixed to it {mass:g} kg in {volume * 1000:.3g} liters: no material is this dense.",
-        hint="Write the mass in kilograms and the sizes of the shapes in meters.",
-    )
 
 
 def _density(link: Link, file: Path | None) -> Iterator[Diagnostic]:

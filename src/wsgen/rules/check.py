@@ -66,6 +66,7 @@ def check_robot(
         *robots.implausible_mass(written.links, written.joints, file),
         *bodies.check_bodies(written.links, written.joints, file),
         *robots.implausible_inertia(written.links, file, written.joints),
+        *bodies.attached_bodies(written.links, written.joints, file),
         *robots.massless_root(
             written.link(written.root), written.joints, written.mass, file, preserved
         ),

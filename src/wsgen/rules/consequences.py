@@ -37,13 +37,16 @@ from wsgen.rules.robots import (
     STARTS_OUTSIDE_LIMITS,
 )
 from wsgen.rules.runs import (
+    BEHAVIOR_EXPLODES,
     ENGINE_UNSTABLE,
     ENGINES_DISAGREE,
     FALLS_WITHOUT_END,
     GAINS_ENERGY,
+    HEADING_NOT_REACHED,
     JOINT_BEYOND_LIMIT,
     KEEPS_MOVING,
     LEANS,
+    POSITION_NOT_REACHED,
     SPAWNED_HIGH,
     SPAWNED_IN_GROUND,
     STATE_NOT_FINITE,
@@ -71,9 +74,9 @@ def _codes(*rules: Rule) -> tuple[str, ...]:
 EXPLODES = _codes(STATE_NOT_FINITE, THROWN_INTO_THE_AIR, GAINS_ENERGY, ENGINE_UNSTABLE)
 FALLS = _codes(FALLS_WITHOUT_END, KEEPS_MOVING, TIPS_OVER, LEANS)
 MOVES = (*_codes(STUCK_IN_GROUND, JOINT_BEYOND_LIMIT), *FALLS, *EXPLODES)
-# What the behaviors of a package show: `rules/behaviors.py` is loaded where there are some.
-DRIVES = ("SPN085", "SPN086")  # position-not-reached, heading-not-reached
-BEHAVES = (*DRIVES, "SPN088")  # behavior-explodes
+# What the behaviors of a package show.
+DRIVES = _codes(POSITION_NOT_REACHED, HEADING_NOT_REACHED)
+BEHAVES = (*DRIVES, BEHAVIOR_EXPLODES.code)
 # The start, and that two engines never agree on what explodes or falls.
 ANY = (*MOVES, *BEHAVES, *_codes(SPAWNED_IN_GROUND, SPAWNED_HIGH, ENGINES_DISAGREE))
 

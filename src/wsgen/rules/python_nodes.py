@@ -16,6 +16,7 @@ from wsgen.launch.imported_packages import (
 )
 from wsgen.ros_environment.interfaces import common_packages, fields_of
 from wsgen.suggestions import advice, ask_for_nearest, did_you_mean, nearest, suggested
+from wsgen.values import lazy_pattern
 from wsgen.workspace.python_nodes import KINDS, PARAMETERS, arguments_of
 
 if TYPE_CHECKING:
@@ -87,7 +88,9 @@ IDLE_PROGRAM = Rule(
     code="BLD074",
     name="idle-program",
     severity=Severity.WARNING,
-    summary="An installed Python program defines `main()` but does not call it.",
+    summary="A Python program does not call its `main()`, or does not spin its node.",
+    what="Reads programs that are installed. A node counts as not spun where its file has "
+    "callbacks, but neither a loop nor a call that may wait or spin.",
     why="The program exits at once without an error, and does nothing.",
     example="#!/usr/bin/env python3\ndef main():\n    rclpy.init()",
     instead="#!/usr/bin/env python3\ndef main():\n    rclpy.init()\n\n\n"
@@ -520,6 +523,43 @@ def idle_program(node: NodeFile) -> Iterator[Diagnostic]:
         )
 
 
+def unspun_node(node: NodeFile) -> Iterator[Diagnostic]:
+    """Report a program that ends when it has made its node, before a callback is called."""
+    calls = [one for one in node.nodes if isinstance(one, ast.Call)]
+    called = {name_of(one.func): one for one in calls}
+    starts = next((one for one in calls if ast.unparse(one.func) == "rclpy.init"), None)
+    if (
+        starts is None
+        or not _HAVE_CALLBACKS.intersection(called)
+        or any(isinstance(one, (ast.While, ast.Await)) for one in node.nodes)
+        or any(_MAY_WAIT.search(name) for name in called)
+        or any(_MAY_WAIT.search(word) for word in node.imported)
+        or any(_is_of_package(one, node.file.parent.name) for one in node.nodes)
+    ):
+        return
+    yield IDLE_PROGRAM.at(
+        node.file,
+        starts.lineno,
+        "rclpy.init",
+        message=f"{node.file.name} makes a node with callbacks, but does not spin it: the program "
+        "exits before a callback is called.",
+        hint="Add after the node is made: rclpy.spin(node)",
+    )
+
+
+def _is_of_package(one: ast.AST, package: str) -> bool:
+    """Whether something of the same package is imported, which may spin."""
+    if isinstance(one, ast.ImportFrom):
+        return bool(one.level) or (one.module or "").partition(".")[0] == package
+    return isinstance(one, ast.Import) and any(
+        name.name.partition(".")[0] == package for name in one.names
+    )
+
+
+_HAVE_CALLBACKS = frozenset(("create_subscription", "create_timer", "create_service"))
+_MAY_WAIT = lazy_pattern(
+    r"(?i)spin|execut|thread|loop|wait|sleep|exec|input|join|run|start|serve|process|gui|show"
+)
 _IDLE = (
     *(ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Import, ast.ImportFrom),
     *(ast.Assign, ast.AnnAssign),

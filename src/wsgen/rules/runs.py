@@ -906,3 +906,40 @@ def _angle(first: Pose, second: Pose) -> float:
     turned = multiply(rotation_of_rpy(first.rpy), transpose(rotation_of_rpy(second.rpy)))
     cosine = (turned[0][0] + turned[1][1] + turned[2][2] - 1) / 2
     return math.acos(min(1.0, max(-1.0, cosine)))
+
+
+# Checked in `behaviors.py`, which is loaded where a package has some.
+POSITION_NOT_REACHED = Rule(
+    code="SPN085",
+    name="position-not-reached",
+    severity=Severity.ERROR,
+    summary="A driven robot does not reach the position in its behavior.",
+    what="Drives the robot through its plugin, or runs the launch file (`run = true`), and "
+    "compares its final position with `moved`. The difference may be `tolerance` times the "
+    "distance.",
+    why="Odometry and navigation rely on the sizes in the plugin: they would be wrong by as much.",
+    example="<wheel_radius>0.2</wheel_radius>  <!-- of a wheel with a radius of 0.1 m -->",
+    instead="<wheel_radius>0.1</wheel_radius>",
+)
+HEADING_NOT_REACHED = Rule(
+    code="SPN086",
+    name="heading-not-reached",
+    severity=Severity.ERROR,
+    summary="A driven robot does not turn by the angle in its behavior.",
+    what="Drives the robot through its plugin, or runs the launch file (`run = true`), and "
+    "compares its rotation with the `yaw` of `moved`. The difference may be `tolerance` times the "
+    "angle.",
+    why="Odometry and navigation rely on the sizes in the plugin: they would be wrong by as much.",
+    example="<wheel_separation>0.8</wheel_separation>  <!-- between the outer sides -->",
+    instead="<wheel_separation>0.6</wheel_separation>  <!-- between the contacts -->",
+)
+BEHAVIOR_EXPLODES = Rule(
+    code="SPN088",
+    name="behavior-explodes",
+    severity=Severity.ERROR,
+    summary="A position became infinite or not-a-number while a behavior was simulated.",
+    what="Looks at every pose and joint position.",
+    why="The simulation exploded. Gazebo stops with an assertion or shows nothing.",
+    example='<limit lower="-1.57" upper="1.57" effort="1e12" velocity="1"/>',
+    instead='<limit lower="-1.57" upper="1.57" effort="20" velocity="1"/>',
+)
