@@ -49,6 +49,14 @@ def test_what_its_limits_push_is_not_reported_as_moved_by_gravity() -> None:
     assert [one.code for one in found] == ["SPN060"]
 
 
+def test_a_robot_that_is_too_deep_in_the_ground_falls_for_that() -> None:
+    deep = replace(
+        STANDS, penetration=20.0, lowest_point=-20.0, lowest_point_at_end=-64.0, settled_after=None
+    )
+    (found,) = check_run(ROBOT, WORLD, deep)
+    assert (found.code, found.severity) == ("SPN053", Severity.ERROR)
+
+
 SINKS = replace(STANDS, lowest_point=5.0, lowest_point_at_end=-44.0, settled_after=None, speed=29.0)
 IN_WATER = replace(WORLD, plugins=("gz-sim-buoyancy-system",))
 

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from wsgen.build_files.cmake_checks import DIFFERENT_NAMES, MISSING_INSTALLED_PATH
 from wsgen.build_files.install_checks import FOLDER_NOT_INSTALLED, PROGRAM_NOT_INSTALLED
 from wsgen.build_files.python_checks import BROKEN_SCRIPT
 from wsgen.description_rules import MISSING_COLLISION_MESH
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.launch.explain_missing import EXECUTABLE_NOT_FOUND, FILE_NOT_INSTALLED
+from wsgen.launch.explain_missing import (
+    EXECUTABLE_NOT_FOUND,
+    FILE_NOT_INSTALLED,
+    PACKAGE_NOT_FOUND,
+)
 from wsgen.rules.install_consequences import fold_not_installed
 
 SRC = Path("/ws/src/crab")
@@ -92,3 +98,21 @@ def test_a_program_that_launch_files_start(cause: Diagnostic, name: str) -> None
 )
 def test_other_programs_have_another_cause(cause: Diagnostic, other: Diagnostic) -> None:
     assert fold_not_installed([cause, other], FOLDERS) == (cause, other)
+
+
+def test_a_misspelled_folder_of_install_is_one_mistake() -> None:
+    build = SRC / "CMakeLists.txt"
+    hint = "Did you mean `meshes`? Create it, or remove it from install()."
+    misspelled = MISSING_INSTALLED_PATH.at(build, 4, "crab", message="...", hint=hint)
+    assert fold_not_installed([MESHES, misspelled], FOLDERS) == (misspelled,)
+    other = replace(misspelled, hint="Did you mean `models`?")
+    assert len(fold_not_installed([MESHES, other], FOLDERS)) == 2
+
+
+def test_packages_that_a_wrong_name_hides() -> None:
+    named = DIFFERENT_NAMES.at(SRC / "CMakeLists.txt", 1, "my-crab", message="...")
+    launch = SRC / "launch" / "a.launch.py"
+    hidden = PACKAGE_NOT_FOUND.at(launch, 3, message="...", hint="Did you mean `my-crab`? If not,")
+    other = replace(hidden, hint="Did you mean `shell`?")
+    assert fold_not_installed([named, hidden, other], FOLDERS) == (named, other)
+    assert fold_not_installed([hidden], FOLDERS) == (hidden,)

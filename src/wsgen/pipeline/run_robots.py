@@ -348,6 +348,9 @@ def _fold(
     for robot in robots:
         names = {ELEMENT.format(name) for name, entity in shown.items() if entity == robot.entity}
         own = [one for one in left if one.element in {robot.entity, *names}]
+        if any(one.code == SPAWNED_IN_GROUND.code and has_errors((one,)) for one in own):
+            left = [one for one in left if one.element not in names]  # it never stood
+            own = [one for one in own if one in left]
         folded = fold_consequences(robot.diagnostics, own)
         changed = zip(robot.diagnostics, folded.prepared, strict=True)
         causes |= {before: after for before, after in changed if before != after}

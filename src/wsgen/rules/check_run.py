@@ -89,6 +89,7 @@ def check_run(  # noqa: PLR0913  most have defaults
         motion = _check_motion(
             robot, world, robot_run, is_alone=is_alone and not depths, pushed=pushed
         )
+        found, motion = _as_buried(found, motion)
         if max(depths, default=0.0) > runs.SHALLOW:
             others = {one.other_entity for one in robot_run.overlaps if one.other_entity}
             is_pushed_out = max(depths) <= runs.PUSHED_OUT and not has_errors(motion)
@@ -105,6 +106,19 @@ def check_run(  # noqa: PLR0913  most have defaults
         found = [one for one in found if one.code not in FOLLOW_FROM_WEIGHT]
         found.append(runs.no_buoyancy(entity, plugin))
     return tuple(found)
+
+
+def _as_buried(
+    found: list[Diagnostic], motion: list[Diagnostic]
+) -> tuple[list[Diagnostic], list[Diagnostic]]:
+    """What is said of a robot that falls since it is spawned so deep that nothing pushes it out."""
+    deep, fall = runs.SPAWNED_IN_GROUND.code, runs.FALLS_WITHOUT_END.code
+    if not {deep, fall} <= {one.code for one in (*found, *motion)}:
+        return found, motion
+    return (
+        [replace(one, severity=Severity.ERROR) if one.code == deep else one for one in found],
+        [one for one in motion if one.code != fall],
+    )
 
 
 def _as_pushed_out(found: Diagnostic) -> Diagnostic:

@@ -11,6 +11,7 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from wsgen.build_files.cmake_checks import DIFFERENT_NAMES, MISSING_INSTALLED_PATH
 from wsgen.build_files.install_checks import (
     CONTENTS_INSTALLED,
     FOLDER_NOT_INSTALLED,
@@ -21,8 +22,10 @@ from wsgen.build_files.install_checks import (
 )
 from wsgen.build_files.python_checks import BROKEN_SCRIPT
 from wsgen.diagnostics import Severity
-from wsgen.launch.explain_missing import EXECUTABLE_NOT_FOUND
+from wsgen.launch.explain_missing import EXECUTABLE_NOT_FOUND, PACKAGE_NOT_FOUND
+from wsgen.suggestions import suggested
 from wsgen.values import lazy_pattern
+from wsgen.xacro.reader import XACRO_FILE_FAILS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -38,6 +41,7 @@ OF_FOLDERS = frozenset(
 _OF_PROGRAMS = frozenset(
     rule.code for rule in (BROKEN_SCRIPT, PROGRAM_NOT_EXECUTABLE, PROGRAM_NOT_INSTALLED)
 )
+_NOT_FOUND = frozenset(rule.code for rule in (PACKAGE_NOT_FOUND, XACRO_FILE_FAILS))
 _FOLLOWING = ("LCH", "ROB", "SPN", "WLD")  # families
 _PLACE = lazy_pattern(r"(?<![\w.-])share/([\w-]+)/([\w.-]+)")
 _PACKAGE = lazy_pattern(r"package '([\w-]+)'")
@@ -56,7 +60,7 @@ def fold_not_installed(
     found = tuple(diagnostics)
     causes = [one for one in found if one.code in OF_FOLDERS | _OF_PROGRAMS]
     if not causes:
-        return found
+        return tuple(_without_echoes(found))
     followed: dict[Diagnostic, list[Diagnostic]] = {}
     left: list[Diagnostic] = []
     for one in found:
@@ -65,7 +69,27 @@ def fold_not_installed(
             left.append(one)
         else:
             followed.setdefault(cause, []).append(one)
-    return tuple(_with_worst(one, followed[one]) if one in followed else one for one in left)
+    kept = [_with_worst(one, followed[one]) if one in followed else one for one in left]
+    return tuple(_without_echoes(kept))
+
+
+def _without_echoes(diagnostics: Sequence[Diagnostic]) -> Iterator[Diagnostic]:
+    """Without what a misspelled folder of install(), or a misspelled package, causes elsewhere."""
+    meant = {
+        (one.file, suggested(one.hint))
+        for one in diagnostics
+        if one.code == MISSING_INSTALLED_PATH.code
+    }
+    renamed = {
+        one.element for one in diagnostics if one.code == DIFFERENT_NAMES.code and one.element
+    }
+    for one in diagnostics:
+        is_of_folder = one.code == FOLDER_NOT_INSTALLED.code
+        if is_of_folder and (one.file, one.element) in meant:
+            continue
+        if one.code in _NOT_FOUND and suggested(one.hint) in renamed:
+            continue
+        yield one
 
 
 def _causes_of(

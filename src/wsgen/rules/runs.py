@@ -147,6 +147,7 @@ SPAWNED_IN_GROUND = Rule(
     code="SPN053",
     name="spawned-in-ground",
     severity=Severity.WARNING,
+    severity_varies="an error where it falls, because it is too deep to be pushed out",
     summary="The spawn pose puts part of the robot into the ground.",
     what="Measures the lowest point of the robot's collision shapes when it is spawned.",
     why="The simulator pushes the robot out. Depending on the engine it jumps, tips over or stays "
