@@ -28,6 +28,7 @@ from wsgen.model.robot import Mesh, Robot
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.rules.check import check_robot
 from wsgen.rules.friction import turning_friction
+from wsgen.rules.plugins import DUPLICATE_SENSOR
 from wsgen.rules.robot_files import path_of_one_machine, uncalled_macros, unprefixed_xacro
 from wsgen.sdf.includes import DATABASE_MODELS
 from wsgen.sdf.lookup import is_folder, model_finder, model_folders, resource_folders
@@ -67,6 +68,7 @@ SEVERITIES: Mapping[str, Mapping[str, Severity]] = {
     "classic": {
         IMPOSSIBLE_INERTIA.code: Severity.WARNING,
         IMPOSSIBLE_SUM.code: Severity.WARNING,
+        DUPLICATE_SENSOR.code: Severity.WARNING,
     },
 }
 # What only older versions of sdformat do.

@@ -580,11 +580,12 @@ DUPLICATE_SENSOR = Rule(
     code="ROB108",
     name="duplicate-sensor",
     severity=Severity.ERROR,
+    severity_varies="a warning in Gazebo Classic, which loads the robot",
     summary="Two sensors of a body have the same name.",
     what="Compares the names of the sensors of each link, including those of links that fixed "
     "joints attach to it: Gazebo lumps them into one body.",
-    why="Gazebo's parser reports an error and refuses the robot. Usually a xacro macro for a "
-    "sensor is called twice.",
+    why="Gazebo Sim's parser reports an error and refuses the robot. Gazebo Classic loads it. "
+    "Usually a xacro macro for a sensor is called twice.",
     example="""
 <gazebo reference="left_camera_link"><sensor name="camera" type="camera"/></gazebo>
 <gazebo reference="right_camera_link"><sensor name="camera" type="camera"/></gazebo>
@@ -620,7 +621,7 @@ def duplicate_sensors(facts: PluginFacts, file: Path | None) -> Iterator[Diagnos
                     sensor.line,
                     f"gazebo[@reference='{tag.reference}']/sensor[@name='{sensor.name}']",
                     message=f"Two sensors of the body `{body}` have the name `{sensor.name}`: "
-                    "Gazebo refuses the robot.",
+                    "Gazebo Sim refuses the robot.",
                     hint="Give each sensor a different name. In a xacro macro, use a parameter as "
                     "a prefix.",
                 )
