@@ -742,6 +742,10 @@ def test_a_robot_that_is_for_rviz_alone(tmp_path: Path) -> None:
         "</joint></robot>"
     )
     assert only(package, "dropped-link") == [("dropped-link", "warning")]
+    manifest = package / "package.xml"
+    comment = "<!-- <exec_depend>gazebo_ros_control</exec_depend> -->"
+    manifest.write_text(manifest.read_text().replace("</package>", f"{comment}</package>"))
+    assert only(package, "dropped-link") == [("dropped-link", "warning")]
     launch = package / "launch" / "start.launch.py"
     launch.write_text("def generate_launch_description(): ...  # starts ros_gz_sim\n")
     assert only(package, "dropped-link") == [("dropped-link", "error")]

@@ -10,6 +10,7 @@ from wsgen.diagnostics import has_errors
 from wsgen.files import real_path
 from wsgen.isolation.parent import make_part
 from wsgen.launch.evaluate import DISTRO_OF_LAUNCHES
+from wsgen.markup import without_comments
 from wsgen.pipeline.candidates import (
     Candidate,
     LaunchFile,
@@ -71,9 +72,15 @@ if TYPE_CHECKING:
 
 OF_TESTS = frozenset({"test", "tests"})  # folders; their launch files are for launch_testing
 OF_GAZEBO = lazy_pattern(
-    rb"(?i)gazebo|\bgz\b|\bros_(?:gz|ign)_|\b(?:gz|ign)_sim\b|\bign_ros2_control"
+    r"(?i)gazebo|\bgz\b|\bros_(?:gz|ign)_|\b(?:gz|ign)_sim\b|\bign_ros2_control"
 )
 NOTHING = ValidateRequest()  # launch files and xacro are given no arguments
+
+
+def _without_comments(file: Path) -> str:
+    """The text of a file; comments of XML are not in it: MoveIt's wizard names Gazebo in one."""
+    text = read(file).decode("utf-8", "replace")
+    return text if file.suffix == ".py" else without_comments(text)
 
 
 class DescribedRobot(NamedTuple):
@@ -287,7 +294,7 @@ class PackageCheck:
     def _is_for_gazebo(self) -> bool:
         """Whether a manifest, launch file or robot of the workspaces names Gazebo."""
         return any(
-            OF_GAZEBO.search(read(file))
+            OF_GAZEBO.search(_without_comments(file))
             for package in self.installed.sources.values()
             for file in (
                 package.path / "package.xml",
