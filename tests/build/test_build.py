@@ -248,7 +248,7 @@ def test_a_workspace_with_a_python_package(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("name", "hint"),
-    [("demmo", "Did you mean `demo`?"), ("something", "Known: demo."), ("../demo", "demo")],
+    [("demmo", "Did you mean `demo`?"), ("something", "Known: demo."), (".", "not by folder")],
 )
 def test_an_unknown_package(tmp_path: Path, name: str, hint: str) -> None:
     write_package(tmp_path)

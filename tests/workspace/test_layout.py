@@ -341,6 +341,14 @@ def test_opening_what_is_around_a_workspace(root: Path) -> None:
     assert open_workspace(str(root.parent)) == Workspace(root=root.parent)  # as it was meant
 
 
+def test_opening_the_src_of_a_workspace(root: Path) -> None:
+    with pytest.raises(RequestError, match="is the folder src of a workspace") as raised:
+        open_workspace(str(root / "src"))
+    assert raised.value.hint == f"To use the workspace: -w {root}"
+    (root / "src" / "src").mkdir()
+    assert open_workspace(str(root / "src")) == Workspace(root=root / "src")
+
+
 @pytest.mark.parametrize("inside", [".", "ws", "ws/src", "ws/src/demo"])
 def test_opening_where_the_package_has_no_manifest(
     inside: str, root: Path, monkeypatch: pytest.MonkeyPatch

@@ -144,10 +144,10 @@ def unknown_package(workspace: Workspace, inventory: Inventory, name: str) -> Re
     ignored = ignored_package(workspace, name)
     if ignored is not None:
         return ignored
-    return RequestError(
-        f"{workspace.root} has no package {name}.",
-        hint=suggest(name, {package.name for package in inventory.packages}),
-    )
+    hint = suggest(name, {package.name for package in inventory.packages})
+    if os.path.isdir(name):  # noqa: PTH112  a name may hold what no path can
+        hint = f"Select packages by name, not by folder; without a name, all are built. {hint}"
+    return RequestError(f"{workspace.root} has no package {name}.", hint=hint)
 
 
 def refuse_empty(workspace: Workspace) -> NoReturn:

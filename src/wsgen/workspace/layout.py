@@ -138,7 +138,7 @@ def open_workspace(given: str | None, *, takes_packages: bool = True) -> Workspa
 
     Raises:
         NotFoundError: no workspace was found.
-        RequestError: several were found, or the given folder is around a workspace.
+        RequestError: several were found, or the given folder is around a workspace, or its `src`.
     """
     if given is not None:
         root = Path(given).expanduser().absolute()
@@ -148,6 +148,13 @@ def open_workspace(given: str | None, *, takes_packages: bool = True) -> Workspa
                 hint="Name the folder with src, or create one: wsgen new PACKAGE -w DIR",
             )
         _refuse_surroundings(root)
+        if root.name == "src" and not _is_marked(root) and not (root / "src").is_dir():
+            around = find_workspace(root)
+            if around is not None and around.source == root:
+                raise RequestError(
+                    f"{root} is the folder src of a workspace, not the workspace.",
+                    hint=f"To use the workspace: -w {shlex.quote(str(around.root))}",
+                )
         return Workspace(root=root)
     here = current_folder()
     workspace = find_workspace(here)

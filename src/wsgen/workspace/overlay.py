@@ -281,6 +281,8 @@ def require_share(overlay: Overlay, workspace: Workspace | None, package: str) -
         )
     else:
         hint = suggest(package, known)
+    if os.path.isdir(package):  # noqa: PTH112  a name may hold what no path can
+        hint = f"Select packages by name, not by folder. {hint}"
     raise RequestError(f"Package {package} does not exist.", hint=hint)
 
 
