@@ -11,6 +11,7 @@ from wsgen.model.robot import Box, Surface
 from wsgen.model.transform import Pose, compose, rotate, rotation_of_rpy
 from wsgen.sdf.lookup import model_finder
 from wsgen.sdf.models import read_model, read_sdf
+from wsgen.sdf.worlds import default_world
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -182,7 +183,7 @@ def test_a_ground_that_is_spawned(*, height: float, is_ground: bool) -> None:
         text, file=None, find_model=lambda _: None, pose_in_world=Pose((0, 0, height))
     )
     assert file.diagnostics == ()
-    assert [one.is_ground for one in file.models] == [is_ground]
+    assert [one.ground_friction is not None for one in file.models] == [is_ground]
     (link,) = robot_of(file).links
     assert len(link.collisions) == len(link.visuals) == (0 if is_ground else 1)
 
@@ -208,3 +209,22 @@ def test_ground_that_is_a_missing_mesh(tmp_path: Path) -> None:
     assert [one.code for one in found.diagnostics] == ["ROB060"]
     assert found.world is not None
     assert found.world.has_ground_plane
+
+
+@pytest.mark.parametrize(
+    ("content", "friction"),
+    [
+        (GROUND_PLANE.format(""), 100.0),
+        (plane(), 1.0),
+        (plane("<surface><friction><ode><mu>0.3</mu></ode></friction></surface>"), 0.3),
+    ],
+)
+def test_the_friction_of_the_ground(read: Read, content: str, friction: float) -> None:
+    file = read(world(content))
+    assert file.world is not None
+    assert file.world.ground_friction == friction
+
+
+def test_the_friction_in_worlds_that_simulators_bring_along() -> None:
+    assert default_world("classic").ground_friction == 100.0
+    assert default_world("gz").ground_friction == 1.0

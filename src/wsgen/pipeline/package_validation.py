@@ -51,7 +51,7 @@ from wsgen.rules.named_worlds import (
 )
 from wsgen.sdf.lookup import find_world, is_brought_along, is_there
 from wsgen.sdf.source import is_sdf
-from wsgen.sdf.worlds import DEFAULT_WORLD
+from wsgen.sdf.worlds import default_world
 from wsgen.workspace.layout import workspace_around
 from wsgen.workspace.settings import read_settings
 
@@ -310,13 +310,13 @@ class Validation:
         """The world that the plan starts, and the models in it, robots among them."""
         name = started.simulator.world if started.simulator else None
         if not name:
-            return DEFAULT_WORLD, []
+            return default_world(self.simulator_kind), []
         with self.clock.step("expand", Path(name).name) as step:
             file = self._written_world(started, name, context) or find_world(name, environment)
             if file is None or not is_there(file):
                 if is_brought_along(name):
                     self.diagnostics += world_not_here(started.plan, name)
-                    return DEFAULT_WORLD, []
+                    return default_world(self.simulator_kind), []
                 if file is not None and is_folder_reported(file, self.diagnostics):
                     step.succeeded = False
                     return None, []
@@ -327,7 +327,7 @@ class Validation:
                 )
                 step.succeeded = not has_errors([missing])
                 self.diagnostics.append(missing)
-                return DEFAULT_WORLD if file is None else None, []
+                return default_world(self.simulator_kind) if file is None else None, []
             self.world_file = file
             found, models, more = self._read_models(name, file, context, environment)
             step.succeeded = not has_errors((*found.diagnostics, *more))

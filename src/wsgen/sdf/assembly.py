@@ -351,7 +351,7 @@ class Assembled(NamedTuple):
 
     robot: Robot | None  # None: it has no link
     root_in_model: Pose = IDENTITY
-    is_ground: bool = False  # a plane of it is the ground of the world; the robot is without it
+    ground_friction: float | None = None  # of a plane that is the world's ground, which is left out
     devices: Devices | None = None  # if they are wanted
 
 
@@ -393,6 +393,7 @@ def assemble(includes: Includes, model: Scope, model_in_world: Pose, resolved: P
 
         parts = {"link": nodes, "joint": joints, "frame": _named(model, "frame")}
         devices = read_devices(model, parts, poses, {name: tree.frame(name) for name in links})
+    grounds = (one.ground_friction for one in planes.values())
     return Assembled(
         robot=replace(
             robot,
@@ -400,7 +401,7 @@ def assemble(includes: Includes, model: Scope, model_in_world: Pose, resolved: P
             gazebo=(*_plugins(model), *(body.tag for body in bodies.values() if body.tag)),
         ),
         root_in_model=tree.frame(robot.root),
-        is_ground=any(found.is_ground for found in planes.values()),
+        ground_friction=max((mu for mu in grounds if mu is not None), default=None),
         devices=devices,
     )
 

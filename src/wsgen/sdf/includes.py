@@ -109,14 +109,15 @@ GROUND_PLANE = "ground_plane"
 SUN = "sun"
 
 # Gazebo's own ground plane, as the simulation uses it.
-GROUND_PLANE_SDF = """
+GROUND_PLANE_FRICTION = 100.0
+GROUND_PLANE_SDF = f"""
 <sdf version="1.4">
   <model name="ground_plane">
     <static>true</static>
     <link name="link">
       <collision name="collision">
         <geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry>
-        <surface><friction><ode><mu>100</mu><mu2>50</mu2></ode></friction></surface>
+        <surface><friction><ode><mu>{GROUND_PLANE_FRICTION}</mu><mu2>50</mu2></ode></friction></surface>
       </collision>
       <visual name="visual">
         <geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry>

@@ -24,7 +24,13 @@ from wsgen.sdf.frames import (
     kind_of,
     resolve_poses,
 )
-from wsgen.sdf.includes import MODEL_LEFT_OUT, Includes, is_ground_plane, is_sun
+from wsgen.sdf.includes import (
+    GROUND_PLANE_FRICTION,
+    MODEL_LEFT_OUT,
+    Includes,
+    is_ground_plane,
+    is_sun,
+)
 from wsgen.sdf.source import line_of, load, parse_text, with_version
 from wsgen.sdf.values import first, read_pose, truth, word
 from wsgen.sdf.worlds import check_ground, describe_world
@@ -282,7 +288,7 @@ class SdfModel(NamedTuple):
     line: int | None = None  # of its element in that file, 1-based
     # A static plane of it is level at z = 0. That is the ground, which an engine has by itself
     # (`World.has_ground_plane`): the robot is without it.
-    is_ground: bool = False
+    ground_friction: float | None = None
     devices: Devices | None = None  # if they are wanted; None also of a URDF that is included
 
 
@@ -291,7 +297,7 @@ class WorldModels(NamedTuple):
 
     placed: tuple[PlacedModel, ...]  # all of them
     models: tuple[SdfModel, ...]  # without those that are only ground
-    has_ground: bool  # a level plane at z = 0
+    ground_friction: float | None  # of a level plane at z = 0, if there is one
     carry: bool  # others can stand on one of them
 
 
@@ -299,16 +305,18 @@ def read_world_models(world: Scope, includes: Includes) -> WorldModels:
     """The models of a world; other parts that are not simulated are reported."""
     poses = resolve_poses(world)
     models = []
-    has_ground = carry = False
+    frictions: list[float] = []
+    carry = False
     for node in world.own("model"):
         if _is_own_ground(node, poses[node]):
-            has_ground = True
+            frictions.append(GROUND_PLANE_FRICTION)
             continue
         before = includes.solids_left_out
         model = _read_node(includes, node, poses)
         if includes.solids_left_out > before and not model.is_static:
             continue  # how it stands without them says nothing
-        has_ground |= model.is_ground
+        if model.ground_friction is not None:
+            frictions.append(model.ground_friction)
         carry |= _carries(node, model)
         if not _is_only_ground(model):
             models.append(model)
@@ -319,7 +327,9 @@ def read_world_models(world: Scope, includes: Includes) -> WorldModels:
         )
         for node in world.own("model")
     )
-    return WorldModels(placed, tuple(models), has_ground, has_ground or carry)
+    return WorldModels(
+        placed, tuple(models), max(frictions, default=None), bool(frictions) or carry
+    )
 
 
 def _read_node(includes: Includes, node: Node, poses: Poses) -> SdfModel:
@@ -353,7 +363,7 @@ def _read_node(includes: Includes, node: Node, poses: Poses) -> SdfModel:
         is_static=node.is_static,
         file=node.source.file,
         line=line_of(node.element),
-        is_ground=assembled.is_ground,
+        ground_friction=assembled.ground_friction,
         devices=assembled.devices,
     )
 
@@ -379,7 +389,7 @@ def _is_own_ground(node: Node, pose: Pose) -> bool:
 
 def _is_only_ground(model: SdfModel) -> bool:
     return (
-        model.is_ground
+        model.ground_friction is not None
         and model.robot is not None
         and not any(link.collisions or link.visuals for link in model.robot.links)
     )
@@ -574,7 +584,9 @@ def _read_world(source: Source, element: Element, includes: Includes) -> SdfFile
             hint='Write <world name="NAME">; Gazebo Sim refuses the file without a name.',
         )
     world_models = read_world_models(Contents(includes).world(source, element), includes)
-    world = describe_world(source, element, world_models.placed, has_ground=world_models.has_ground)
+    world = describe_world(
+        source, element, world_models.placed, ground_friction=world_models.ground_friction
+    )
     if not world_models.carry:
         # What is left out may be what robots stand on.
         if includes.blame_misspelled_ground() or includes.left_out or includes.has_left_to_gazebo:

@@ -529,7 +529,7 @@ class Planes(NamedTuple):
 
     collisions: tuple[Collision, ...] = ()
     visuals: tuple[Visual, ...] = ()
-    is_ground: bool = False  # one of them is the ground of the world, which the engine has itself
+    ground_friction: float | None = None  # of one that is the world's ground, which engines have
 
 
 NONE = Planes()
@@ -546,7 +546,8 @@ def read_planes(node: Node, link_in_world: Pose, includes: Includes) -> Planes:
     if not found:
         return NONE
     source, is_static = node.source, node.scope.is_static
-    collisions, visuals, is_ground = [], [], False
+    collisions, visuals = [], []
+    ground_friction = None
     for owner, shape in found:
         upward = _upward(source, owner, shape)
         if upward is None:
@@ -570,7 +571,7 @@ def read_planes(node: Node, link_in_world: Pose, includes: Includes) -> Planes:
                 hint="Make the model static, or use a thin box as a plate.",
             )
         elif is_level:
-            is_ground = True
+            ground_friction = read_surface(source, owner).mu1
         else:
             collisions.append(
                 Collision(
@@ -581,7 +582,7 @@ def read_planes(node: Node, link_in_world: Pose, includes: Includes) -> Planes:
                     name=owner.get("name"),
                 )
             )
-    return Planes(tuple(collisions), tuple(visuals), is_ground)
+    return Planes(tuple(collisions), tuple(visuals), ground_friction)
 
 
 def _planes_of(link: Element) -> Iterator[tuple[Element, Element]]:

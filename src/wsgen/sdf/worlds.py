@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen import xmltree
@@ -11,7 +12,7 @@ from wsgen.model.gazebo_plugins import carries
 from wsgen.model.gazebo_systems import is_of_gz
 from wsgen.model.transform import rotate, rotation_of_rpy
 from wsgen.model.world import SUN_COLOR, SUN_DIRECTION, PlacedModel, World
-from wsgen.sdf.includes import GROUND_PLANE, SUN, is_sun
+from wsgen.sdf.includes import GROUND_PLANE, GROUND_PLANE_FRICTION, SUN, is_sun
 from wsgen.sdf.values import first, read_numbers, read_pose, triple, truth, word
 from wsgen.values import NamedTuple
 from wsgen.xmltree import children
@@ -117,13 +118,21 @@ def _color(source: Source, light: Element) -> Vector:
     return (red, green, blue)
 
 
-# What Gazebo starts with if no world is named: both simulators ship one with sun and ground.
+# What Gazebo Sim starts with if no world is named.
 DEFAULT_WORLD = World(
     name="default",
     models=(PlacedModel(name=GROUND_PLANE, is_static=True),),
     has_ground_plane=True,
     lights=(SUN,),
 )
+
+
+def default_world(simulator: str | None) -> World:
+    """The world with sun and ground that a simulator brings along, of "classic" or "gz"."""
+    if simulator != "classic":
+        return DEFAULT_WORLD
+    return replace(DEFAULT_WORLD, ground_friction=GROUND_PLANE_FRICTION)
+
 
 STRONGEST_GRAVITY = 1000.0  # m/s²; at the surface of the Sun it is 274
 SHORTEST_STEP = 1e-5  # s; with shorter ones, a second of a robot takes a minute or more
@@ -132,7 +141,11 @@ LONGEST_STEP = 0.02  # s; with longer ones contacts are missed, and no engine is
 
 
 def describe_world(
-    source: Source, element: Element, models: Sequence[PlacedModel], *, has_ground: bool
+    source: Source,
+    element: Element,
+    models: Sequence[PlacedModel],
+    *,
+    ground_friction: float | None,
 ) -> World:
     """The world of an element, with the models that were read from it."""
     lights = read_lights(source, element)
@@ -142,7 +155,10 @@ def describe_world(
         gravity=_gravity(source, element),
         step=_step(source, element),
         models=tuple(models),
-        has_ground_plane=has_ground,
+        has_ground_plane=ground_friction is not None,
+        ground_friction=DEFAULT_WORLD.ground_friction
+        if ground_friction is None
+        else ground_friction,
         lights=lights.names,
         sun_direction=lights.sun_direction,
         sun_color=lights.sun_color,

@@ -26,7 +26,6 @@ from wsgen.simulation.bullet_body import ROOT, BulletBody, PartBounds, load
 from wsgen.simulation.bullet_body import STRIDE as DAMPER_STRIDE
 from wsgen.simulation.contact_shapes import most_parts
 from wsgen.simulation.engine import (
-    GROUND_FRICTION,
     TOUCHING,
     Contact,
     HullGap,
@@ -158,7 +157,8 @@ class BulletEngine:
         self._pushes: dict[tuple[str, str], Vector] = {}  # N, by entity and link
         self._triangles: set[int] = set()  # bodies that collide as the triangles of their meshes
         self._has_stepped = False  # since something was placed
-        self._ground: int | None = None
+        self._ground_friction: float | None = None  # None: there is no ground
+        self._grounds: dict[float, int] = {}  # alike but for their friction; see `stand_on`
         self._plumb: int | None = None
         self._separating = True  # there may be overlaps: something is new where it is
         self.client.setGravity(*world.gravity)
@@ -174,13 +174,26 @@ class BulletEngine:
             enableConeFriction=0,
         )
         if world.has_ground_plane:
-            self._ground = self._add_ground()
+            self._ground_friction = world.ground_friction
+            self._ground_of(min(1.0, world.ground_friction))
             self._plumb = self._add_plumb()
 
-    def _add_ground(self) -> int:
+    def _put_on_ground(self, body: BulletBody) -> None:
+        if self._ground_friction is not None:
+            for friction in body.frictions_below(self._ground_friction):
+                self._ground_of(friction)
+            body.stand_on(self._grounds)
+
+    def _ground_of(self, friction: float) -> None:
+        """Have a ground of this friction, which touches only what is put on it."""
+        if friction in self._grounds:
+            return
         ground = load(self.client, GROUND, Pose(xyz=(0.0, 0.0, -GROUND_SIZE[2] / 2)))
-        self.client.changeDynamics(ground, ROOT, lateralFriction=GROUND_FRICTION)
-        return ground
+        self.client.changeDynamics(ground, ROOT, lateralFriction=friction)
+        self._grounds[friction] = ground
+        for bodies in self._bodies.values():
+            for body, _ in bodies:
+                body.stand_on(self._grounds)
 
     def _add_plumb(self) -> int:
         plumb = load(self.client, GROUND, Pose(xyz=(0.0, 0.0, PLUMB - GROUND_SIZE[2] / 2)))
@@ -204,8 +217,7 @@ class BulletEngine:
                 pose = compose(robot.pose_in_world, pose_in_robot)
                 body = BulletBody(self.client, tree, pose, step_seconds=self.step_seconds)
                 bodies.append((body, pose_in_robot))
-                if self._ground is not None:
-                    body.keep_inner_off(self._ground)
+                self._put_on_ground(body)
                 unread = body.unread_mesh()
                 if unread is not None:
                     raise error(f"it cannot read the mesh {unread}")  # noqa: TRY301  one way out

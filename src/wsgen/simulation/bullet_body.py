@@ -32,7 +32,7 @@ from wsgen.model.transform import (
 )
 from wsgen.simulation.bullet_contacts import contact_masses, spring_of
 from wsgen.simulation.contact_shapes import inner_apart, one_friction_a_link
-from wsgen.simulation.engine import GROUND_FRICTION, may_touch
+from wsgen.simulation.engine import may_touch
 from wsgen.simulation.stiffness import STRONGEST, is_stiff, stiffness_to_simulate
 from wsgen.simulation.urdf_writer import write_urdf
 from wsgen.values import dataclass
@@ -175,6 +175,8 @@ HIGHEST_JOINT_SPEED = 1e6
 # a thousand keeps them, and slows what rolls by no more than 1 cm/s².
 ROLLING_RESISTANCE = 1e-3  # times the radius: PyBullet's rolling friction is a length
 
+OWN_FRICTION = 1.0  # of a link at most; see `BulletBody.stand_on`
+
 NOT_TURNED = (0.0, 0.0, 0.0, 1.0)  # x, y, z, w
 
 ROOT = -1  # PyBullet's index of a body's root
@@ -197,7 +199,7 @@ def set_links(client: Client, body: int, parts: Robot, index_of: Mapping[str, in
         client.changeDynamics(
             body,
             index,
-            lateralFriction=min((GROUND_FRICTION, *frictions)),
+            lateralFriction=min((OWN_FRICTION, *frictions)),
             rollingFriction=0.0
             if parts.is_static
             else ROLLING_RESISTANCE * _radius(client, body, index, part),
@@ -348,11 +350,28 @@ class BulletBody:
         """A mesh file that PyBullet left out without an error."""
         return unread_mesh(self._client, self.number, self._parts, self._index_of)
 
-    def keep_inner_off(self, ground: int) -> None:
-        """Let a level ground touch no more of it than its convex hull; see `inner_collisions`."""
-        for name in self._inner:
-            index = self._index_of[name]
-            self._client.setCollisionFilterPair(ground, self.number, ROOT, index, 0)
+    def frictions_below(self, ground: float) -> set[float]:
+        """The frictions that grounds need for its parts to feel one with this friction."""
+        self._below = {}
+        for part in self._parts.links:
+            mu = min((shape.surface.mu1 for shape in part.collisions), default=OWN_FRICTION)
+            own = min(OWN_FRICTION, mu)
+            self._below[part.name] = min(mu, ground) / own if own > 0.0 else min(1.0, ground)
+        return set(self._below.values())
+
+    def stand_on(self, grounds: Mapping[float, int]) -> None:
+        """Let each part touch the ground of its friction alone.
+
+        Gazebo takes the smaller friction of two that touch each other, PyBullet the product. Two
+        links get along with products of at most 1; the ground makes up for what a link lacks.
+        A level ground touches no more than the convex hull, see `inner_collisions`.
+        """
+        if len(grounds) == 1 and not self._inner:
+            return
+        for name, index in self._index_of.items():
+            for friction, ground in grounds.items():
+                touches = name not in self._inner and self._below[name] == friction
+                self._client.setCollisionFilterPair(ground, self.number, ROOT, index, int(touches))
 
     def soften_contacts(self, share: float) -> None:
         """Have its contacts spread its weight, and take this share of an overlap in one step."""

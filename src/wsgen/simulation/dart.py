@@ -26,7 +26,6 @@ from wsgen.model.transform import (
 from wsgen.simulation import surfaces
 from wsgen.simulation.contact_shapes import inner_collisions
 from wsgen.simulation.engine import (
-    GROUND_FRICTION,
     Contact,
     HullGap,
     Loaded,
@@ -365,14 +364,14 @@ class DartEngine:
         sleep.mEnabled = False
         self._world.setDeactivationOptions(sleep)
         if world.has_ground_plane:
-            self._add_ground()
+            self._add_ground(world.ground_friction)
 
-    def _add_ground(self) -> None:
+    def _add_ground(self, friction: float) -> None:
         skeleton = dynamics.Skeleton("ground")
         joint, body = skeleton.createWeldJointAndBodyNodePair()
         joint.setTransformFromParentBodyNode(matrix_of(Pose(xyz=(0, 0, -GROUND_SIZE[2] / 2))))
         shape = dynamics.BoxShape(GROUND_SIZE)
-        self._ground = add_shape(body, shape, GROUND_FRICTION, "ground")
+        self._ground = add_shape(body, shape, friction, "ground")
         skeleton.setMobile(False)
         self._world.addSkeleton(skeleton)
 

@@ -15,7 +15,6 @@ from wsgen.model.robot import Sphere
 from wsgen.model.transform import quaternion_of_rpy
 from wsgen.simulation import surfaces
 from wsgen.simulation.engine import (
-    GROUND_FRICTION,
     Contact,
     HullGap,
     Loaded,
@@ -105,7 +104,7 @@ class MujocoEngine:
                 size=(0.0, 0.0, 1.0),  # without end
                 contype=GROUND_BIT,
                 conaffinity=0,
-                **surface(GROUND_FRICTION, world.step),
+                **surface(world.ground_friction, world.step),
             )
         self._model = self._spec.compile()
         self._data = library.MjData(self._model)

@@ -25,7 +25,7 @@ from wsgen.model.kinematics import split_trees
 from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere
 from wsgen.model.transform import Pose, compose, quaternion_of_rpy, rotation_of_rpy, rpy_of_rotation
 from wsgen.simulation.contact_shapes import box_around, inner_collisions
-from wsgen.simulation.engine import GROUND_FRICTION, may_touch
+from wsgen.simulation.engine import MOST_FRICTION, may_touch
 from wsgen.simulation.stiffness import STRONGEST, stiffness_to_simulate
 from wsgen.simulation.surfaces import there, triangles_of
 
@@ -85,11 +85,11 @@ def surface(mu: float, step: float) -> dict[str, Any]:
 
     The smaller of two frictions counts in Gazebo; in MuJoCo that of the higher priority.
     """
-    mu = min(max(mu, 0.0), GROUND_FRICTION)
+    mu = min(max(mu, 0.0), MOST_FRICTION)
     return {
         "condim": 3,
         "friction": (mu, 0.0, 0.0),
-        "priority": round((GROUND_FRICTION - mu) * FRICTION_STEPS),
+        "priority": round((MOST_FRICTION - mu) * FRICTION_STEPS),
         **solver(RIGIDITY, OVERLAP_SHARE, step),
     }
 

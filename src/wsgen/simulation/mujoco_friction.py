@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wsgen.model.transform import rotation_of_rpy
-from wsgen.simulation.engine import GROUND_FRICTION
+from wsgen.simulation.engine import MOST_FRICTION
 from wsgen.simulation.mujoco_body import library
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ class DirectedFriction:
     def __init__(self, model: Any, bodies: Iterable[MujocoBody]) -> None:
         self._directions = np.zeros((model.ngeom, 3))  # in the frame of a body; zero: none
         self._bodies = np.zeros(model.ngeom, dtype=int)
-        self._first = np.clip(model.geom_friction[:, 0], LEAST, GROUND_FRICTION)
+        self._first = np.clip(model.geom_friction[:, 0], LEAST, MOST_FRICTION)
         self._second = self._first.copy()
         for body in bodies:
             for shape in body.shapes:
@@ -50,7 +50,7 @@ class DirectedFriction:
                     direction = np.array(surface.fdir1)
                 self._directions[number] = direction / np.linalg.norm(direction)
                 self._bodies[number] = body.bodies[link].id
-                self._second[number] = min(max(surface.mu2, LEAST), GROUND_FRICTION)
+                self._second[number] = min(max(surface.mu2, LEAST), MOST_FRICTION)
         self._is_directed: NDArray[np.bool_] = (self._directions != 0.0).max(axis=1, initial=False)
         self._has_some = bool(self._is_directed.any())
 

@@ -1,0 +1,83 @@
+"""Bodies that slide, fall and press, in wsgen's engines and in the real Gazebo Classic.
+
+`recorded/surfaces.json` has where the body of each world is after its time, m, and how it moves,
+m/s, in Debian 11's Gazebo 11.1. `--regenerate` records it anew.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from classic.gazebo_classic import GazeboClassic, why_missing
+from classic.worlds import ENGINES, SURFACES, simulated, world_of
+
+if TYPE_CHECKING:
+    from classic.worlds import Body
+
+RECORDED = Path(__file__).with_name("recorded") / "surfaces.json"
+LIVE = ("mu 0.5 on 100, 45 degrees",)
+
+# What does not move as there, in these engines, and why.
+TWO_WAYS = "Classic takes mu along y of the world and mu2 along x; wsgen mu in all directions"
+NO_DIRECTION = "<fdir1> is known in MuJoCo alone"
+DIFFERENT = {
+    "mu 0.5, mu2 0.1, down along 0 degrees": (TWO_WAYS, ENGINES),
+    "mu 0.5, mu2 0.1, down along 45 degrees": (TWO_WAYS, ENGINES),
+    "fdir1, mu 0.5, mu2 0.1, down along 90 degrees": (NO_DIRECTION, ("bullet", "dart")),
+    "rests on a soft surface": ("kp and kd are not simulated: it sinks there", ENGINES),
+    "5 mm deep": ("DART pushes it out more slowly", ("dart",)),
+    "5 mm deep, with min_depth": ("<min_depth> is not simulated", ENGINES),
+}
+# The real one slips by some millimeters where friction should hold it.
+SAME_HEIGHT = 0.0001  # m
+SAME_PLACE = 0.02  # m, m/s
+SAME_WAY = 0.005  # of the way
+
+pytestmark = [pytest.mark.oracle, pytest.mark.slow]
+
+
+def ask(one: Body, folder: Path) -> dict[str, Any]:
+    file = folder / "w.world"
+    file.write_text(world_of(one), encoding="utf-8")
+    with GazeboClassic(file) as gazebo:
+        gazebo.run(one.seconds)
+        link = gazebo.state()["body"]["links"]["body::link"]
+    return {
+        "place": [round(part, 5) for part in link["pose"][:3]],
+        "velocity": [round(part, 4) for part in link["linear"]],
+    }
+
+
+@pytest.fixture(scope="module")
+def recorded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Any:
+    if request.config.getoption("--regenerate") and not why_missing():
+        folder = tmp_path_factory.mktemp("surfaces")
+        lines = (
+            f"{json.dumps(name)}: {json.dumps(ask(one, folder))}" for name, one in SURFACES.items()
+        )
+        RECORDED.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
+    return json.loads(RECORDED.read_text(encoding="utf-8"))
+
+
+@pytest.mark.skipif(why_missing() != "", reason=why_missing())
+@pytest.mark.parametrize("name", LIVE)
+def test_the_record_is_what_gazebo_classic_does(name: str, recorded: Any, tmp_path: Path) -> None:
+    assert ask(SURFACES[name], tmp_path) == recorded[name]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("name", SURFACES)
+def test_moves_as_in_gazebo_classic(name: str, engine: str, recorded: Any, tmp_path: Path) -> None:
+    place, velocity = simulated(SURFACES[name], engine, tmp_path)
+    real = recorded[name]
+    is_same = (
+        place[:2] == pytest.approx(real["place"][:2], rel=SAME_WAY, abs=SAME_PLACE)
+        and place[2] == pytest.approx(real["place"][2], abs=SAME_HEIGHT)
+        and velocity[:2] == pytest.approx(real["velocity"][:2], rel=SAME_WAY, abs=SAME_PLACE)
+    )
+    _, different = DIFFERENT.get(name, ("", ()))
+    assert is_same == (engine not in different)
