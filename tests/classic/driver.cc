@@ -8,6 +8,7 @@
 //   publish TOPIC TYPE TEXT         a message in the text format of protobuf
 //   listen TOPIC TYPE               keep the last message of a topic
 //   heard TOPIC                     it, and how many came
+//   sensors                         each sensor measures now, whatever its rate
 //
 // Units are those of Gazebo: m, rad, kg, N. A quaternion is w, x, y, z. Poses and velocities are
 // seen from the world, `cog` from the link; `inertia` (ixx, iyy, izz, ixy, ixz, iyz) is about the
@@ -37,6 +38,7 @@
 #include <gazebo/gazebo.hh>
 #include <gazebo/msgs/msgs.hh>
 #include <gazebo/physics/physics.hh>
+#include <gazebo/sensors/sensors.hh>
 #include <gazebo/transport/transport.hh>
 
 namespace
@@ -45,6 +47,7 @@ using namespace gazebo;
 using Clock = std::chrono::steady_clock;
 
 const auto kPatience = std::chrono::seconds(60);
+const auto kDelivery = std::chrono::milliseconds(200);  // of a message
 
 std::string Quoted(const std::string &text)
 {
@@ -199,6 +202,8 @@ class Driver
       words >> topic;
       return this->topics[topic].Answer();
     }
+    if (command == "sensors")
+      return this->Sensors();
     return "{\"error\":\"unknown command\"}";
   }
 
@@ -265,7 +270,7 @@ class Driver
     publisher->WaitForConnection(common::Time(5, 0));
     publisher->Publish(*message, true);
     // Subscribers have their own thread.
-    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    std::this_thread::sleep_for(kDelivery);
     return "{}";
   }
 
@@ -276,8 +281,26 @@ class Driver
     auto &heard = this->topics[topic];
     heard.type = type;
     this->subscribers.push_back(this->node->Subscribe(topic, &Topic::Keep, &heard));
-    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    std::this_thread::sleep_for(kDelivery);
     return "{}";
+  }
+
+  // Some get what they measure from other parts of the server, whose messages have their own thread.
+  std::string Sensors()
+  {
+    const auto &manager = sensors::SensorManager::Instance();
+    sensors::run_once(true);  // gets new ones ready
+    std::this_thread::sleep_for(kDelivery);
+    std::string out = "{\"sensors\":[";
+    const char *comma = "";
+    for (const auto &sensor : manager->GetSensors())
+    {
+      sensor->Update(true);
+      out += comma + Quoted(sensor->ScopedName());
+      comma = ",";
+    }
+    std::this_thread::sleep_for(kDelivery);
+    return out + "]}";
   }
 
   physics::WorldPtr world;
