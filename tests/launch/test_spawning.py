@@ -505,11 +505,26 @@ def test_models_that_create_looks_up_by_their_name(tmp_path: Path) -> None:
     assert only_error(spawner("-file", "my_cup", "-entity", "e"))[0] == "SPN012"
 
 
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("<robot name='crane'/>", "crane"),
+        ("<sdf version='1.9'><model name='crane'/></sdf>", "crane"),
+        ("<robot/>", "robot"),
+        ("<robot name='crane'>", "robot"),
+    ],
+)
+def test_model_that_is_given_no_name_has_its_own(text: str, name: str) -> None:
+    assert only_spawn(create("-string", text)).entity == name
+    request = ("gz", "service", *FACTORY.split(), "--req", f'sdf: "{text}"')
+    assert only_spawn(run(*request)).entity == name
+
+
 def test_create_ignores_what_it_does_not_know() -> None:
     (spawn,), (found,) = find_spawns(
         plan(publisher(), create("-topic", "robot_description", "-entity", "e"))
     )
-    assert spawn.entity == "robot"
+    assert spawn.entity == "r"
     assert (found.code, found.severity) == ("SPN004", Severity.WARNING)
     assert "ignores '-entity'" in found.message
 
@@ -554,7 +569,7 @@ def test_unknown_pose_and_name_have_their_defaults() -> None:
     words = ("-topic", "robot_description", "-name", "$(m.x())", "-x", "$(m.x())", "-y", "1")
     (spawn,), diagnostics = find_spawns(unknown(publisher(), create(*words)))
     assert not diagnostics
-    assert (spawn.entity, spawn.pose_in_world.xyz) == ("robot", (0, 1, 0))
+    assert (spawn.entity, spawn.pose_in_world.xyz) == ("r", (0, 1, 0))
 
 
 GAZEBO = Process(package=None, executable=None, command=("gazebo", "w.world"))
@@ -603,7 +618,7 @@ def test_spawner_of_somebodys_own_that_is_given_a_file(tmp_path: Path) -> None:
     file.write_text("<sdf version='1.6'><model name='m'/></sdf>")
     spawn, _ = assume_spawn(plan(GAZEBO, own("spawn", str(file), "r", "0.0")))
     assert spawn is not None
-    assert (spawn.entity, spawn.description_file) == ("spawn", file)
+    assert (spawn.entity, spawn.description_file) == ("m", file)
 
 
 @pytest.mark.parametrize(

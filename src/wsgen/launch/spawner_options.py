@@ -46,7 +46,7 @@ class Options(NamedTuple):
     flags: frozenset[str]
     sources: tuple[str, ...]  # what says what is spawned; the first one counts
     entity: str  # the option that names the model
-    default_entity: str  # its value where it may be left out; empty where it may not
+    needs_entity: bool  # else the model has its own name
     is_strict: bool  # refuses unknown options and a second source
     reads_parameters: bool
 
@@ -70,7 +70,7 @@ SPAWN_ENTITY = Options(
     flags=frozenset(("stdin", "unpause", "package_to_model", "b")),
     sources=("file", "topic", "database", "stdin"),
     entity="entity",
-    default_entity="",
+    needs_entity=True,
     is_strict=True,
     reads_parameters=False,
 )
@@ -81,7 +81,7 @@ CREATE = Options(
     flags=frozenset(("allow_renaming",)),
     sources=("file", "param", "string", "topic"),
     entity="name",
-    default_entity="robot",
+    needs_entity=False,
     is_strict=False,
     reads_parameters=True,
 )
@@ -148,7 +148,7 @@ def _lacking(process: Process, options: Options, values: Mapping[str, str]) -> I
             f"{process.executable} needs {exactly}one of {all_sources}, but is given {found}.",
             "Usually it is '-topic', 'robot_description'.",
         )
-    if not values.get(options.entity) and not options.default_entity:
+    if options.needs_entity and not values.get(options.entity):
         yield _Remark(
             f"{process.executable} is not given -{options.entity}, the name of the model.",
             f"Add '-{options.entity}', 'NAME' to its arguments.",

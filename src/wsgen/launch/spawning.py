@@ -172,7 +172,7 @@ def assume_spawn(plan: LaunchPlan) -> tuple[Spawn | None, Diagnostic]:
         description = _what_it_may_spawn(plan, program)
         if description is not None:
             spawn = Spawn(
-                entity=_name_of_robot(description.text) or program.executable or "robot",
+                entity=_name_of_model(description.text) or program.executable or "robot",
                 description=description.text,
                 description_file=description.file,
                 process=program,
@@ -211,9 +211,13 @@ def _what_it_may_spawn(plan: LaunchPlan, program: Process) -> Description | None
     return None
 
 
-def _name_of_robot(text: str) -> str | None:
-    root = parse(text.encode())
-    return None if isinstance(root, Malformed) else root.get("name")
+def _name_of_model(text: str) -> str | None:
+    """The name that a URDF or SDF has for its model, which Gazebo takes if it is given no other."""
+    root = parse(text)
+    if isinstance(root, Malformed):
+        return None
+    model = root.find("model") if root.tag == "sdf" else root
+    return None if model is None else model.get("name")
 
 
 def _how_to_spawn(plan: LaunchPlan) -> str:
@@ -272,9 +276,9 @@ def _read_spawner(plan: LaunchPlan, program: Process, options: Options) -> Found
     if not sources or (options.is_strict and len(sources) > 1):
         return None, found
     description = find_description(plan, program, read.values)
-    entity = read.values.get(options.entity) or options.default_entity
+    entity = read.values.get(options.entity, "")
     if plan.is_unknown(entity):
-        entity = options.default_entity or "robot"
+        entity = ""
     return _spawn(
         program, entity, pose, description, found, _height(plan, program, read.values.get("z"))
     )
@@ -294,7 +298,7 @@ def _spawn(  # noqa: PLR0913, PLR0917  what makes it
         return None, found
     return (
         Spawn(
-            entity=entity,
+            entity=entity or _name_of_model(description.text) or "robot",
             description=description.text,
             description_file=description.file,
             model_uri=description.model_uri,
@@ -334,7 +338,7 @@ def _read_service_call(plan: LaunchPlan, program: Process, kind: str, text: str)
     )
     description = _described_in_request(plan, program, kind, fields)
     return _spawn(
-        program, str(fields.get("name") or "robot"), pose, description, list(invalid), height
+        program, str(fields.get("name") or ""), pose, description, list(invalid), height
     )
 
 
