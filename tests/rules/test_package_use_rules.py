@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.diagnostics import Severity
 from wsgen.model.build_facts import BuildFacts, InstalledFile, RequiredPackage
 from wsgen.rules.package_uses import (
     check_required,
@@ -138,11 +139,15 @@ def check_build(one: RequiredPackage, **dependencies: str) -> list[Diagnostic]:
 
 @pytest.mark.parametrize(
     ("name", "meant"),
-    [("rclcp", "rclcpp"), ("geometry_msg", "geometry_msgs"), ("tf2_rso", "tf2_ros")],
+    [
+        *(("rclcp", "rclcpp"), ("geometry_msg", "geometry_msgs"), ("tf2_rso", "tf2_ros")),
+        ("ament_cmak", "ament_cmake"),
+    ],
 )
 def test_a_misspelled_package_of_the_build(name: str, meant: str) -> None:
     (found,) = check_build(required(name), depend="rclcpp tf2_ros")
     assert (found.code, found.line, found.hint) == ("PKG088", 7, f"Did you mean `{meant}`?")
+    assert found.severity is Severity.ERROR  # CMake stops there
 
 
 @pytest.mark.parametrize("name", ["yaml-cpp", "Eigen3", "sophus", "urdfdom", "my_libs", "gz-sim8"])

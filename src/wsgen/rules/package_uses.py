@@ -64,7 +64,7 @@ UNDECLARED_BUILD_DEPENDENCY = Rule(
 MISSPELLED_REQUIREMENT = Rule(
     code="PKG088",
     name="misspelled-requirement",
-    severity=Severity.WARNING,
+    severity=Severity.ERROR,
     summary="`find_package()` requires a known package with a typing mistake.",
     what="Compares names that neither ROS nor the workspace nor CMake has with those of packages "
     "of ROS and of the workspace.",
