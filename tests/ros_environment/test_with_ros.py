@@ -196,6 +196,29 @@ def test_nodes_send_messages_of_the_workspace(ros: RosEnvironment, tmp_path: Pat
     assert (found.file, found.line) == (message, 1)
 
 
+def test_messages_that_need_a_released_package_nobody_has_are_left_out(tmp_path: Path) -> None:
+    used = {"name": "way_msgs", "depends": "geographic_msgs"}
+    unused = {"name": "wind_msgs", "depends": "geographic_msgs"}
+    write(
+        tmp_path / "src",
+        {
+            "way_msgs/package.xml": MANIFEST.format(**used),
+            "way_msgs/CMakeLists.txt": CMAKE.format(**used, files='"msg/Way.msg"'),
+            "way_msgs/msg/Way.msg": "geographic_msgs/GeoPoint[] stops\n",
+            "wind_msgs/package.xml": MANIFEST.format(**unused),
+            "wind_msgs/CMakeLists.txt": CMAKE.format(**unused, files='"msg/Wind.msg"'),
+            "wind_msgs/msg/Wind.msg": "float64 speed  # beside geographic_msgs/GeoPoint\n",
+        },
+    )
+    result = build(Workspace(root=tmp_path), environment=plain_environment())
+    assert result.succeeded
+    (found,) = result.diagnostics
+    assert (found.code, found.element) == ("BLD032", "way_msgs")
+    assert "without messages" in found.message
+    assert "geographic_msgs" in found.message
+    assert (tmp_path / "install/wind_msgs/lib").is_dir()
+
+
 def test_without_the_extra_messages_are_left_out_and_pip_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -32,6 +32,33 @@ function(wsgen_is_brought result package)
   endif()
 endfunction()
 
+# Whether files of interfaces use one of the packages that are released and nobody has here: without
+# a ROS, that is no mistake of the workspace.
+function(wsgen_lacks_interfaces result)
+  cmake_parse_arguments(arguments "" "" "PACKAGES;FILES" ${ARGN})
+  get_property(missing GLOBAL PROPERTY WSGEN_MISSING)
+  set(prefixes "$ENV{WSGEN_ROS}:$ENV{AMENT_PREFIX_PATH}")
+  string(REPLACE ":" ";" prefixes "${prefixes}")
+  set(lacks FALSE)
+  foreach(package IN LISTS arguments_PACKAGES)
+    list(TRANSFORM prefixes APPEND "/share/${package}" OUTPUT_VARIABLE shares)
+    foreach(share IN LISTS shares)
+      if(EXISTS "${share}")
+        list(REMOVE_ITEM missing "${package}")
+      endif()
+    endforeach()
+    if("${package}" IN_LIST missing)
+      foreach(file IN LISTS arguments_FILES)
+        file(STRINGS "${file}" uses REGEX "^[^#]*${package}/")
+        if(uses)
+          set(lacks TRUE)
+        endif()
+      endforeach()
+    endif()
+  endforeach()
+  set(${result} ${lacks} PARENT_SCOPE)
+endfunction()
+
 function(rosidl_generate_interfaces target)
   cmake_parse_arguments(arguments
     "ADD_LINTER_TESTS;SKIP_INSTALL;SKIP_GROUP_MEMBERSHIP_CHECK" "LIBRARY_NAME" "DEPENDENCIES" ${ARGN})
@@ -68,6 +95,12 @@ function(rosidl_generate_interfaces target)
       message(FATAL_ERROR "Packages installing interfaces must include "
         "'<member_of_group>rosidl_interface_packages</member_of_group>' in their package.xml")
     endif()
+  endif()
+
+  wsgen_lacks_interfaces(is_left_out PACKAGES ${arguments_DEPENDENCIES} FILES ${files})
+  if(is_left_out)
+    wsgen_left_out_call(rosidl_generate_interfaces ${ARGV})
+    return()
   endif()
 
   # Those of another Python or ROS do not fit.
