@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.build.last_build import FAILED_BUILD
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.errors import NotFoundError
 from wsgen.launch.launch_warnings import UNUSED_ARGUMENT
@@ -54,9 +55,10 @@ def prepared(tmp_path: Path, shown: list[Diagnostic]) -> Callable[..., Prepared]
         before: str = "",
         is_stepped: bool = False,
         is_strict: bool = False,
+        folder: Path = tmp_path,
         **arguments: str,
     ) -> Prepared:
-        file = tmp_path / "a.launch.py"
+        file = folder / "a.launch.py"
         text = HEAD.replace("# SPAWNER", before) + "\n".join(actions) + "])"
         file.write_text(text, encoding="utf-8")
         ros = RosEnvironment(
@@ -109,6 +111,22 @@ def test_an_argument_without_effect_is_reported(
     prepared(SIMULATOR, is_stepped=True, wrold="b.sdf")
     (found,) = [one for one in shown if one.code == UNUSED_ARGUMENT.code]
     assert (found.element, found.line) == ("wrold", None)
+
+
+@pytest.mark.parametrize("result", ["0", "1"])
+def test_a_build_that_failed_is_reported(
+    prepared: Callable[..., Prepared], shown: list[Diagnostic], tmp_path: Path, result: str
+) -> None:
+    package = tmp_path / "src" / "crane"
+    package.mkdir(parents=True)
+    (package / "package.xml").write_text(
+        "<package format='3'><name>crane</name><version>0.0.1</version></package>"
+    )
+    (tmp_path / "build" / "crane").mkdir(parents=True)
+    (tmp_path / "build" / "crane" / "colcon_build.rc").write_text(f"{result}\n")
+    prepared(NODE, folder=package)
+    codes = [one.code for one in shown if one.code == FAILED_BUILD.code]
+    assert codes == [FAILED_BUILD.code] * int(result)
 
 
 MOVEIT = "from moveit_configs_utils.launches import generate_demo_launch"

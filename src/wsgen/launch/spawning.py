@@ -337,9 +337,7 @@ def _read_service_call(plan: LaunchPlan, program: Process, kind: str, text: str)
         is_given="z" in numbers,
     )
     description = _described_in_request(plan, program, kind, fields)
-    return _spawn(
-        program, str(fields.get("name") or ""), pose, description, list(invalid), height
-    )
+    return _spawn(program, str(fields.get("name") or ""), pose, description, list(invalid), height)
 
 
 def _described_in_request(

@@ -36,7 +36,7 @@ from wsgen.pipeline.changed_since_build import shares_of
 from wsgen.pipeline.package_validation import Validation, may_come_later
 from wsgen.pipeline.prepare import KnownRobots
 from wsgen.pipeline.run_robots import spawned_robots
-from wsgen.pipeline.validate import selected_package
+from wsgen.pipeline.validate import selected_package, with_failures_before
 from wsgen.ros_environment import paths_with_all_messages, variables_of_nodes
 from wsgen.simulation.live_runs import DOMAIN, distro_of_run, find_live_folder, launched_in
 from wsgen.simulation.live_scene import SCENE_FILE, LiveScene
@@ -238,7 +238,10 @@ def prepare(  # noqa: PLR0913  what to prepare, where, how
     world, robots = subject.read(folder)
     started = subject.started
     if started is None or not started.is_evaluated:
-        show(subject.reported())
+        found = subject.reported()
+        if started is not None:
+            found = with_failures_before(found, started.plan, selected.package, selected.overlay)
+        show(found)
         raise BrokenRunError
     if request.until_exit is not None:
         check_awaited(request.until_exit, started.plan)
@@ -254,7 +257,8 @@ def prepare(  # noqa: PLR0913  what to prepare, where, how
         found += tuple(cannot_run(started.plan, is_sourced=ros.is_sourced))
         absent = tuple(replace(one, severity=Severity.ERROR) for one in absent)
     found += tuple(subject.named(absent))
-    show((*found, *selected.overlay.not_built()))
+    found = with_failures_before(found, started.plan, selected.package, selected.overlay)
+    show(found)
     is_stopped = request.is_strict and has_errors(found)
     is_broken = not all(robot.can_run for robot in robots)
     if is_broken or is_stopped or (has_simulation and world is None):

@@ -17,7 +17,7 @@ from wsgen.events import OneAtATime
 from wsgen.files import irregular_kind
 from wsgen.isolation import parent
 from wsgen.launch.launch_warnings import UNUSED_ARGUMENT, UNUSED_XACRO_ARGUMENT
-from wsgen.model.outcome import Outcome
+from wsgen.model.outcome import Outcome, PackageOutcome
 from wsgen.pipeline.changed_since_build import shares_of
 from wsgen.pipeline.engines import check_engines, engine_left_out
 from wsgen.pipeline.known_worlds import KnownWorlds
@@ -30,13 +30,14 @@ from wsgen.workspace.layout import Workspace, find_packages, workspace_around
 from wsgen.workspace.overlay import Overlay, open_overlay, overlay_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.events import Listener
     from wsgen.isolation.parent import Run
-    from wsgen.model.outcome import NotValidated, PackageOutcome
+    from wsgen.model.outcome import NotValidated
+    from wsgen.model.plan import LaunchPlan
     from wsgen.pipeline.file_validation import FileValidation
     from wsgen.pipeline.requests import ValidateRequest
 
@@ -100,7 +101,9 @@ def validate(
         elif packages or request.files:
             run_parallel(lambda run: [one.run for one in subjects(run)], jobs, serial, ended)
         outcomes = _without_used_elsewhere(ended, request)
-        outcomes, not_validated = _with_failed_builds(outcomes, not_validated, overlay, request)
+        outcomes, not_validated = _with_failed_builds(
+            outcomes, not_validated, overlay, request.packages
+        )
         outcomes = tuple(
             replace(outcome, diagnostics=summed_up(outcome.diagnostics))
             for outcome in _with_general(outcomes, overlay, request)
@@ -112,7 +115,7 @@ def _with_failed_builds(
     outcomes: tuple[PackageOutcome, ...],
     not_validated: tuple[NotValidated, ...],
     overlay: Overlay,
-    request: ValidateRequest,
+    named: Collection[str] = (),
 ) -> tuple[tuple[PackageOutcome, ...], tuple[NotValidated, ...]]:
     """Report the failed builds of packages; most workspaces have none, and load nothing for it."""
     failed = failed_builds(overlay.workspaces, overlay.written)
@@ -120,7 +123,7 @@ def _with_failed_builds(
         return outcomes, not_validated
     from wsgen.pipeline.failed_builds import with_failed_builds  # noqa: PLC0415  see above
 
-    return with_failed_builds(outcomes, not_validated, failed, overlay, request.packages)
+    return with_failed_builds(outcomes, not_validated, failed, overlay, named)
 
 
 def _on_workers(request: ValidateRequest, stack: ExitStack) -> tuple[Callable[[Run], Run], int]:
@@ -316,8 +319,32 @@ def play(  # noqa: PLR0913  what to play, where, how
     selected = selected_package(launch_file, package, overlay, workspace)
     outcome = Validation(selected, overlay, request.shared_by(1), listener).run()
     own = replace(outcome, package=package)
-    outcomes, _ = _with_failed_builds((own,), (), overlay, request)
+    outcomes, _ = _with_failed_builds((own,), (), overlay)
     return Outcome(packages=_with_general(outcomes, overlay, request))
+
+
+def with_failures_before(
+    found: Iterable[Diagnostic], plan: LaunchPlan, package: str | None, overlay: Overlay
+) -> tuple[Diagnostic, ...]:
+    """What is reported of a launch file, and that builds failed of what it starts from.
+
+    Args:
+        found: What is reported.
+        plan: Of the launch file.
+        package: That it belongs to, if any.
+        overlay: Where packages are.
+    """
+    own = PackageOutcome(
+        package=package,
+        share=None,
+        launch_file=plan.launch_file,
+        diagnostics=tuple(found),
+        plan=plan,
+    )
+    (outcome,), _ = _with_failed_builds((own,), (), overlay)
+    if any(one.code == FAILED_BUILD.code for one in outcome.diagnostics):
+        return outcome.diagnostics
+    return (*outcome.diagnostics, *overlay.not_built())
 
 
 def selected_package(
