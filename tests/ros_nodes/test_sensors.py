@@ -24,6 +24,8 @@ from wsgen.simulation.scene import Scene, SpawnedRobot
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from wsgen.model.devices import Element
+
 WORLD = World(name="field", has_ground_plane=True)
 BODY = Link(
     name="base",
@@ -36,6 +38,7 @@ WALL = Link(
     collisions=(Collision(geometry=Box(size=(0.2, 10.0, 4.0))),),
     visuals=(Visual(geometry=Box(size=(0.2, 10.0, 4.0)), rgba=(1.0, 0.0, 0.0, 1.0)),),
 )
+ROVER = Robot(name="rover", root="base", links=(BODY,))
 MAST = Pose((0.0, 0.0, 0.4))  # in the base, which stands 0.1 m high
 
 
@@ -65,8 +68,9 @@ def simulated(
     simulator: str = "classic",
     surroundings: str = "<world/>",
     wall: Link = WALL,
+    robot: Robot = ROVER,
+    plugins: tuple[Element, ...] = (),
 ) -> Iterator[tuple[Any, FakeRos]]:
-    robot = Robot(name="rover", root="base", links=(BODY,))
     walls = replace(Robot(name="wall", root="link", links=(wall,)), is_static=True)
     rover = SpawnedRobot(entity="rover", robot=robot, pose_in_world=Pose((0.0, 0.0, 0.1)))
     static = SpawnedRobot(
@@ -76,7 +80,7 @@ def simulated(
         scene=Scene(world=WORLD, robots=(rover, static)),
         simulator=simulator,
         world="field",
-        devices={"rover": Devices(sensors=sensors)},
+        devices={"rover": Devices(sensors=sensors, plugins=plugins)},
         world_devices=Devices(surroundings=element(surroundings).children),
         descriptions={"rover": "<robot/>"},
     )

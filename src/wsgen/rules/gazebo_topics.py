@@ -60,39 +60,34 @@ _SYSTEMS = {
         _OfSystem("topic", "/world/{world}/model/{model}/joint_state", "Model"),
     ),
 }
-# Type of a sensor -> the topics below its own, or beside it, with their types.
-_SENSORS = {
-    "gpu_lidar": (("", "LaserScan"), ("/points", "PointCloudPacked")),
-    "gpu_ray": (("", "LaserScan"), ("/points", "PointCloudPacked")),
-    "lidar": (("", "LaserScan"), ("/points", "PointCloudPacked")),
-    "ray": (("", "LaserScan"), ("/points", "PointCloudPacked")),
-    "imu": (("", "IMU"),),
-    "camera": (("", "Image"),),
-    "magnetometer": (("", "Magnetometer"),),
-    "air_pressure": (("", "FluidPressure"),),
-    "altimeter": (("", "Altimeter"),),
-    "navsat": (("", "NavSat"),),
-    "gps": (("", "NavSat"),),
-    "rgbd_camera": (
-        ("/image", "Image"),
-        ("/depth_image", "Image"),
-        ("/points", "PointCloudPacked"),
-        ("/camera_info", "CameraInfo"),
-    ),
-}
-_DEFAULTS = {
-    "gpu_lidar": "/scan",
-    "gpu_ray": "/scan",
-    "lidar": "/scan",
-    "ray": "/scan",
-    "imu": "/imu",
-    "camera": "/image",
-    "magnetometer": "/magnetometer",
-    "air_pressure": "/air_pressure",
-    "altimeter": "/altimeter",
-    "navsat": "/navsat",
-    "gps": "/navsat",
-    "rgbd_camera": "",
+_LIDAR = (("", "LaserScan"), ("/points", "PointCloudPacked"))
+_DEPTH = (("", "Image"), ("/points", "PointCloudPacked"))
+_RGBD = (
+    ("/image", "Image"),
+    ("/depth_image", "Image"),
+    ("/points", "PointCloudPacked"),
+    ("/camera_info", "CameraInfo"),
+)
+
+
+class _OfSensor(NamedTuple):
+    default: str  # what ends the name of its own topic
+    topics: tuple[tuple[str, str], ...]  # what comes after its own topic, with the types
+    has_info: bool = False  # beside its own topic is a `camera_info`
+
+
+SENSORS = {
+    **dict.fromkeys(("gpu_lidar", "gpu_ray", "lidar", "ray"), _OfSensor("/scan", _LIDAR)),
+    "imu": _OfSensor("/imu", (("", "IMU"),)),
+    "camera": _OfSensor("/image", (("", "Image"),), has_info=True),
+    **dict.fromkeys(("depth", "depth_camera"), _OfSensor("/depth_image", _DEPTH, has_info=True)),
+    **dict.fromkeys(("rgbd", "rgbd_camera"), _OfSensor("", _RGBD)),
+    "contact": _OfSensor("/contact", (("", "Contacts"),)),
+    "force_torque": _OfSensor("/forcetorque", (("", "Wrench"),)),
+    "magnetometer": _OfSensor("/magnetometer", (("", "Magnetometer"),)),
+    "air_pressure": _OfSensor("/air_pressure", (("", "FluidPressure"),)),
+    "altimeter": _OfSensor("/altimeter", (("", "Altimeter"),)),
+    **dict.fromkeys(("navsat", "gps"), _OfSensor("/navsat", (("", "NavSat"),))),
 }
 
 
@@ -124,44 +119,47 @@ def _of_plugin(plugin: Element, names: dict[str, str | None]) -> Iterator[Gazebo
 
 def _of_sensor(sensor: Element, names: dict[str, str | None]) -> Iterator[GazeboTopic]:
     kind = sensor.get("type") or ""
+    of_sensor = SENSORS.get(kind)
+    if of_sensor is None:
+        return
     name = sensor.get("name")
     owner = f"the sensor `{name}`"
-    written = child_text(sensor, "topic")
-    if kind not in _SENSORS:
-        return
+    written = _in_child(sensor, kind, "topic") if kind == "contact" else None
+    written = written or child_text(sensor, "topic")
     if written:
         base = _absolute(written)
     else:
-        link = _link_of(sensor)
-        default = f"/world/{{world}}/model/{{model}}/link/{link}/sensor/{name}{_DEFAULTS[kind]}"
-        filled = _filled(default, names) if link and name else None
+        place = _place_of(sensor)
+        default = f"/world/{{world}}/model/{{model}}/{place}/sensor/{name}{of_sensor.default}"
+        filled = _filled(default, names) if place and name else None
         if filled is None:
             return
         base = filled
-    for suffix, type_name in _SENSORS[kind]:
+    for suffix, type_name in of_sensor.topics:
         yield GazeboTopic(f"{base}{suffix}", type_name, is_published=True, owner=owner)
-    if kind == "camera":
-        info = next(
-            (
-                text
-                for one in children(sensor, "camera")
-                if (text := child_text(one, "camera_info_topic"))
-            ),
-            None,
-        )
+    if of_sensor.has_info:
+        info = _in_child(sensor, "camera", "camera_info_topic")
         beside = f"{base.rpartition('/')[0]}/camera_info"
         yield GazeboTopic(
             _absolute(info) if info else beside, "CameraInfo", is_published=True, owner=owner
         )
 
 
-def _link_of(sensor: Element) -> str | None:
-    """The link that has a sensor; in URDF the one that its `<gazebo>` refers to, if it has one."""
+def _in_child(sensor: Element, tag: str, name: str) -> str | None:
+    """The text of an element in the first child of that tag that has it."""
+    return next((text for one in children(sensor, tag) if (text := child_text(one, name))), None)
+
+
+def _place_of(sensor: Element) -> str | None:
+    """The link or joint that has a sensor; None in the `<gazebo>` of a URDF.
+
+    Gazebo may have lumped the link that it refers to into another one.
+    """
     for place in sensor.iterancestors():
-        if place.tag == "link":
-            return place.get("name")
+        if place.tag in ("link", "joint") and place.get("name"):
+            return f"{place.tag}/{place.get('name')}"
         if place.tag == "gazebo":
-            return None  # Gazebo may have lumped the link into another one
+            return None
     return None
 
 

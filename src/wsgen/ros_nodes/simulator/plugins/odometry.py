@@ -227,8 +227,8 @@ class PosePublisher(Plugin):
                 f"`{robot.entity}`: its pose publisher sends one message a pose without "
                 "<use_pose_vector_msg>true</use_pose_vector_msg>, and wsgen sends them together."
             )
-        topic = element.get("topic") or f"/model/{robot.entity}/pose"
-        self._publisher = host.publisher(robot, TFMessage, topic)
+        # Gazebo reads no <topic>.
+        self._publisher = host.publisher(robot, TFMessage, f"/model/{robot.entity}/pose")
 
     def update(self) -> None:
         """Publish them."""

@@ -27,6 +27,7 @@ from wsgen.model.devices import Element
 from wsgen.model.transform import compose
 from wsgen.rendering.sensor_camera import SensorScene
 from wsgen.ros_nodes.simulator.elements import boolean, number
+from wsgen.ros_nodes.simulator.host import CannotWorkError
 from wsgen.ros_nodes.simulator.sensors.clouds import fill_cloud
 from wsgen.ros_nodes.simulator.sensors.mounting import NEVER, Sensor, sensor_qos
 from wsgen.ros_nodes.simulator.sensors.picture import (
@@ -109,6 +110,8 @@ class Camera(Sensor):
         if host.simulator == "classic":
             for plugin in self.classic_plugins(CAMERA_PLUGIN):
                 self._open_classic(plugin, cameras)
+        elif sensor.kind == "multicamera":
+            raise CannotWorkError("Gazebo Sim has none. Write a sensor for each camera.")
         else:
             self._open_gz(cameras[0])
         self._drawing = _drawings.setdefault(host, _Drawing())
@@ -151,7 +154,9 @@ class Camera(Sensor):
         spec = read_camera(camera, measures_depth=measures_depth)
         suffix = "" if self.is_rgbd else "/depth_image" if self.is_depth else "/image"
         topic = self.topic(suffix)
-        beside = f"{topic}/camera_info" if self.is_rgbd else f"{_folder(topic)}/camera_info"
+        info = f"{topic}/camera_info"  # whatever the description says
+        if not self.is_rgbd:
+            info = camera.get("camera_info_topic") or f"{_folder(topic)}/camera_info"
 
         def publisher(kind: type, name: str) -> Any:
             return self.host.publisher(self.robot, kind, name)
@@ -164,7 +169,7 @@ class Camera(Sensor):
                 gz_intrinsics(camera, spec),
                 camera.get("optical_frame_id") or self.gz_frame,
                 None if image is None else publisher(Image, image),
-                (publisher(CameraInfo, camera.get("camera_info_topic") or beside),),
+                (publisher(CameraInfo, info),),
                 None if depth is None else publisher(Image, depth),
                 publisher(PointCloud2, f"{topic}/points") if measures_depth else None,
                 spec.near,
