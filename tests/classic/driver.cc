@@ -5,7 +5,9 @@
 //   spawn FILE NAME X Y Z R P Y     a URDF or SDF model, by the topic that spawners use
 //   step N                          iterations
 //   state                           models with their links and joints
-//   publish TOPIC TYPE TEXT         a message in the text format of protobuf
+//   publish TOPIC TYPE TEXT         a message in the text format of protobuf; one of the types
+//                                   of ignition.msgs goes to the topics of Ignition
+//   param MODEL JOINT KEY VALUE     of a joint's first axis, as plugins set it: `vel`, `fmax`
 //   listen TOPIC TYPE               keep the last message of a topic
 //   heard TOPIC                     it, and how many came
 //   sensors                         each sensor measures now, whatever its rate
@@ -40,6 +42,8 @@
 #include <gazebo/physics/physics.hh>
 #include <gazebo/sensors/sensors.hh>
 #include <gazebo/transport/transport.hh>
+#include <ignition/msgs.hh>
+#include <ignition/transport.hh>
 
 namespace
 {
@@ -194,6 +198,8 @@ class Driver
       return this->State();
     if (command == "publish")
       return this->Publish(words);
+    if (command == "param")
+      return this->SetParam(words);
     if (command == "listen")
       return this->Listen(words);
     if (command == "heard")
@@ -261,6 +267,8 @@ class Driver
     std::string topic, type, text;
     words >> topic >> type;
     std::getline(words, text);
+    if (type.rfind("ignition.msgs.", 0) == 0)
+      return this->PublishToIgnition(topic, type, text);
     const auto message = msgs::MsgFactory::NewMsg(type);
     if (!message || !google::protobuf::TextFormat::ParseFromString(text, message.get()))
       return "{\"error\":\"no such message\"}";
@@ -271,6 +279,38 @@ class Driver
     publisher->Publish(*message, true);
     // Subscribers have their own thread.
     std::this_thread::sleep_for(kDelivery);
+    return "{}";
+  }
+
+  std::string PublishToIgnition(const std::string &topic, const std::string &type,
+                                const std::string &text)
+  {
+    // Ignition's own factory makes messages of Gazebo, which have the same names.
+    const auto kind = google::protobuf::DescriptorPool::generated_pool()->FindMessageTypeByName(type);
+    if (!kind)
+      return "{\"error\":\"no such message\"}";
+    const std::unique_ptr<google::protobuf::Message> message(
+        google::protobuf::MessageFactory::generated_factory()->GetPrototype(kind)->New());
+    auto &publisher = this->ignition_publishers[topic];
+    if (!publisher)
+      publisher = this->ignition_node.Advertise(topic, type);
+    if (!google::protobuf::TextFormat::ParseFromString(text, message.get()) ||
+        !publisher.Publish(*message))
+      return "{\"error\":\"no such message\"}";
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    return "{}";
+  }
+
+  // Between two steps, as plugins do it at the beginning of one.
+  std::string SetParam(std::istringstream &words)
+  {
+    std::string name, joint_name, key;
+    double value = 0;
+    words >> name >> joint_name >> key >> value;
+    const auto model = this->world->ModelByName(name);
+    const auto joint = model ? model->GetJoint(joint_name) : nullptr;
+    if (!joint || !joint->SetParam(key, 0, value))
+      return "{\"error\":\"no such joint or parameter\"}";
     return "{}";
   }
 
@@ -305,6 +345,8 @@ class Driver
 
   physics::WorldPtr world;
   transport::NodePtr node;
+  ignition::transport::Node ignition_node;
+  std::map<std::string, ignition::transport::Node::Publisher> ignition_publishers;
   std::map<std::string, transport::PublisherPtr> publishers;
   std::list<transport::SubscriberPtr> subscribers;
   std::map<std::string, Topic> topics;

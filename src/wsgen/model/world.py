@@ -52,6 +52,12 @@ class World:
     sun_direction: tuple[float, float, float] = SUN_DIRECTION
     sun_color: tuple[float, float, float] = SUN_COLOR
     plugins: tuple[str, ...] = ()  # file names of the plugin libraries
+    simulator: str | None = None  # that loads it, "classic" or "gz"; None: it is not known
+
+    @property
+    def is_classic(self) -> bool:
+        """Whether Gazebo Classic loads it, whose physics are those of ODE."""
+        return self.simulator == "classic"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -191,7 +191,8 @@ class Validation:
             self.diagnostics += self._as_written(lacking)
         for robot in (*models, *prepared):
             self.diagnostics += friction_without_direction(robot.lumped, self.request.engines)
-        return world, [*without_taken(models, [robot.entity for robot in prepared]), *prepared]
+        robots = [*without_taken(models, [robot.entity for robot in prepared]), *prepared]
+        return replace(world, simulator=self.simulator_kind), robots
 
     def _distro(self, environment: Mapping[str, str]) -> str | None:
         """The distribution that the package is for, if that is known."""

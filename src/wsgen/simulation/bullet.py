@@ -37,6 +37,7 @@ from wsgen.simulation.engine import (
     Touch,
     contacts_of,
     deepest_overlaps,
+    limit_share,
     meeting,
 )
 
@@ -133,7 +134,6 @@ PLUMB = -11.0  # m, z of its upper side
 OVERLAP_SHARE = 0.08
 SEPARATION_SPEED = 0.25  # m/s
 SEPARATION_FROM_TRIANGLES = 0.05  # m/s; their edges push in several directions at once
-LIMIT_SHARE = 0.01  # of the way back to a limit, in one step; DART's error reduction parameter
 SEPARATION_STRIDE = 10  # steps between two looks at the overlap while it is large
 
 STILL = (0.0, 0.0, 0.0)
@@ -149,6 +149,7 @@ class BulletEngine:
     def __init__(self, world: World) -> None:
         self.step_seconds = world.step
         self.client = Client()
+        self._world = world
         self._gravity = world.gravity
         self._robots: dict[str, Robot] = {}
         self._bodies: dict[str, list[tuple[BulletBody, Pose]]] = {}  # with its pose in the robot
@@ -215,7 +216,7 @@ class BulletEngine:
         try:
             for tree, pose_in_robot in split_trees(model):
                 pose = compose(robot.pose_in_world, pose_in_robot)
-                body = BulletBody(self.client, tree, pose, step_seconds=self.step_seconds)
+                body = BulletBody(self.client, tree, pose, world=self._world)
                 bodies.append((body, pose_in_robot))
                 self._put_on_ground(body)
                 unread = body.unread_mesh()
@@ -243,13 +244,13 @@ class BulletEngine:
         )
 
     def _push_back_to_limits(self) -> None:
-        """Have joints that are beyond their limits pushed back, as fast as DART does.
+        """Have joints that are beyond their limits pushed back, as fast as Gazebo does.
 
         Split impulses are not for multibodies: with them PyBullet leaves such a joint where it is.
         Without them it needs all iterations, or parts with tiny inertias explode.
         """
         self.client.setPhysicsEngineParameter(
-            useSplitImpulse=0, erp=LIMIT_SHARE, solverResidualThreshold=0.0
+            useSplitImpulse=0, erp=limit_share(self._world), solverResidualThreshold=0.0
         )
 
     def place(self, entity: str, pose_in_world: Pose) -> None:

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping
 
     from wsgen.model.robot import Joint, Link, Robot
+    from wsgen.model.world import World
     from wsgen.simulation.bullet import Client
     from wsgen.simulation.engine import Motor
 
@@ -237,11 +238,31 @@ def release_joints(client: Client, body: int, tree: Robot, movable: Mapping[str,
             )
 
 
+def strengthen_stops(client: Client, body: int, tree: Robot, movable: Mapping[str, int]) -> None:
+    """Have the ends of joints stop whatever comes: PyBullet's give way to 100 N s in a step.
+
+    A body of 500 kg that slides down to its stop swings up again by centimeters.
+    """
+    for joint in tree.movable_joints:
+        if joint.limit is not None and joint.type in (JointType.REVOLUTE, JointType.PRISMATIC):
+            # Without the limits PyBullet does not take the force.
+            client.changeDynamics(
+                body,
+                movable[joint.name],
+                jointLowerLimit=joint.limit.lower,
+                jointUpperLimit=joint.limit.upper,
+                jointLimitForce=STRONGEST,
+            )
+
+
 def keep_apart(
-    client: Client, body: int, tree: Robot, index_of: Mapping[str, int], owner: Mapping[str, str]
+    client: Client,
+    body: int,
+    touching: Collection[frozenset[str]],
+    index_of: Mapping[str, int],
+    owner: Mapping[str, str],
 ) -> None:
     """Let only those links touch each other that touch each other in Gazebo."""
-    touching = may_touch(tree)
     parts = list(index_of.items())
     for place, (name, index) in enumerate(parts):
         for other_name, other_index in parts[:place]:
@@ -257,15 +278,14 @@ PartBounds = tuple[str, int, Vector, Vector]  # see `BulletBody.boxes`
 class BulletBody:
     """A tree of links; the poses it is given and gives are those of its root link's frame."""
 
-    def __init__(
-        self, client: Client, tree: Robot, pose_in_world: Pose, *, step_seconds: float
-    ) -> None:
+    def __init__(self, client: Client, tree: Robot, pose_in_world: Pose, *, world: World) -> None:
         """Load it.
 
         Raises:
             pybullet.error: PyBullet does not take it.
         """
         self._client = client
+        step_seconds, self._is_classic = world.step, world.is_classic
         self.tree = _frozen(tree) if tree.is_static else tree
         stiff = [joint for joint in self.tree.joints if is_stiff(joint, self.tree, step_seconds)]
         self._parts, self._owner, self._inner = inner_apart(
@@ -340,8 +360,10 @@ class BulletBody:
         client = self._client
         set_links(client, self.number, self._parts, self._index_of)
         release_joints(client, self.number, self.tree, self.movable)
+        strengthen_stops(client, self.number, self.tree, self.movable)
         if any(link.self_collide for link in self.tree.links):
-            keep_apart(client, self.number, self.tree, self._index_of, self._owner)
+            touching = may_touch(self.tree, is_one_enough=self._is_classic)
+            keep_apart(client, self.number, touching, self._index_of, self._owner)
 
     def _load(self, pose: Pose) -> int:
         return load(self._client, self._parts, pose)

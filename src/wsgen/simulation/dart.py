@@ -345,6 +345,7 @@ class DartEngine:
 
     def __init__(self, world: World) -> None:
         self.step_seconds = world.step
+        self._is_classic = world.is_classic
         self._robots: dict[str, DartBody] = {}
         self._driven: dict[str, DartBody] = {}  # those with motors
         self._movable: dict[str, DartBody] = {}  # those that time can move
@@ -398,7 +399,7 @@ class DartEngine:
         """Let only those links touch each other that touch each other in Gazebo."""
         if not body.skeleton.isEnabledSelfCollisionCheck():
             return
-        touching = may_touch(body.robot)
+        touching = may_touch(body.robot, is_one_enough=self._is_classic)
         apart = self._world.getConstraintSolver().getCollisionOption().collisionFilter
         for one, other in combinations(body.nodes, 2):
             if frozenset((one, other)) not in touching:

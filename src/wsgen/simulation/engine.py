@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from wsgen.model.robot import Robot
     from wsgen.model.transform import Pose, Vector
+    from wsgen.model.world import World
     from wsgen.simulation.scene import SpawnedRobot
 
     Points = Sequence[Sequence[float]] | NDArray[np.float64]
@@ -260,20 +261,28 @@ def neighbors(robot: Robot) -> set[frozenset[str]]:
     return {frozenset((joint.parent, joint.child)) for joint in (*robot.joints, *robot.loose)}
 
 
-def may_touch(robot: Robot) -> set[frozenset[str]]:
+def may_touch(robot: Robot, *, is_one_enough: bool) -> set[frozenset[str]]:
     """The pairs of links that collide with each other.
 
-    Both have `self_collide`, and no joint joins them. SDF says that one is enough, Gazebo Sim takes
-    the flag of the whole model alone; with one, PyBullet's convex hulls would push robots apart
-    whose meshes do not touch.
+    No joint joins them, and both have `self_collide`. In Gazebo Classic that of one is enough, as
+    SDF says; Gazebo Sim takes the flag of the whole model alone.
     """
     joined = neighbors(robot)
     collide = {link.name for link in robot.links if link.self_collide}
+    needed = 1 if is_one_enough else 2
     return {
         pair
         for one, other in combinations([link.name for link in robot.links], 2)
-        if (pair := frozenset((one, other))) <= collide and pair not in joined
+        if len((pair := frozenset((one, other))) & collide) >= needed and pair not in joined
     }
+
+
+def limit_share(world: World) -> float:
+    """How much of the way back to a joint's limit goes in one step.
+
+    That is ODE's error reduction parameter in Gazebo Classic, and DART's in Gazebo Sim.
+    """
+    return 0.2 if world.is_classic else 0.01
 
 
 def deepest_overlaps(

@@ -75,6 +75,7 @@ class MujocoEngine:
 
     def __init__(self, world: World) -> None:
         self.step_seconds = world.step
+        self._world = world
         self._robots: dict[str, MujocoBody] = {}
         self._triangles = StaticTriangles()
         self._speeds: NDArray[np.float64] = np.empty(0)  # of the joints with friction
@@ -124,7 +125,9 @@ class MujocoEngine:
             if 1 << place not in used or place == MOST_BITS - 1
         )
         try:
-            body = MujocoBody(spec, model, robot.pose_in_world, robot.entity, bit)
+            body = MujocoBody(
+                spec, model, robot.pose_in_world, robot.entity, bit, world=self._world
+            )
             self._compile()
         except (ValueError, surfaces.UnreadError) as problem:
             for kind, count in before.items():

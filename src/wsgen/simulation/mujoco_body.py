@@ -25,7 +25,7 @@ from wsgen.model.kinematics import split_trees
 from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere
 from wsgen.model.transform import Pose, compose, quaternion_of_rpy, rotation_of_rpy, rpy_of_rotation
 from wsgen.simulation.contact_shapes import box_around, inner_collisions
-from wsgen.simulation.engine import MOST_FRICTION, may_touch
+from wsgen.simulation.engine import MOST_FRICTION, limit_share, may_touch
 from wsgen.simulation.stiffness import STRONGEST, stiffness_to_simulate
 from wsgen.simulation.surfaces import there, triangles_of
 
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from wsgen.model.robot import Collision, Joint, Link, Primitive, Robot
+    from wsgen.model.world import World
     from wsgen.simulation.engine import Motor
     from wsgen.simulation.surfaces import Touchable
 
@@ -54,7 +55,6 @@ mujoco.set_mju_user_warning(_warn)
 RIGIDITY = 0.99
 JOINT_RIGIDITY = 0.9999
 OVERLAP_SHARE = 0.02  # of an overlap, in one step; with more, what falls hops
-LIMIT_SHARE = 0.01  # of the way back to a limit, in one step; DART's error reduction parameter
 FRICTION_STEPS = 10**6  # between a friction of 0 and of 1
 
 ENDLESS = 1e9  # rad or m; a limit beyond it is none
@@ -119,7 +119,16 @@ class MujocoBody:
     compiled.
     """
 
-    def __init__(self, spec: Any, robot: Robot, pose_in_world: Pose, name: str, bit: int) -> None:
+    def __init__(  # noqa: PLR0913  what it adds, and where
+        self,
+        spec: Any,
+        robot: Robot,
+        pose_in_world: Pose,
+        name: str,
+        bit: int,
+        *,
+        world: World,
+    ) -> None:
         """Add it to the specification.
 
         Raises:
@@ -139,7 +148,7 @@ class MujocoBody:
         self._excludes: list[Any] = []
         self._meshes: list[Any] = []
         self._spec, self._name, self.bit = spec, name, bit
-        self._step = float(spec.option.timestep)
+        self._step, self._world = world.step, world
         self._meets_own = bit > ROBOT_BITS // 2 or any(link.self_collide for link in robot.links)
         for tree, pose_in_robot in split_trees(robot):
             self._add_tree(tree, pose_in_robot)
@@ -197,7 +206,7 @@ class MujocoBody:
             lower, upper = max(joint.limit.lower, -ENDLESS), min(joint.limit.upper, ENDLESS)
             more = {"limited": 1, "range": (lower, max(upper, lower + NARROWEST))}
         for kind in ("friction", "limit"):
-            settings = solver(JOINT_RIGIDITY, LIMIT_SHARE, self._step)
+            settings = solver(JOINT_RIGIDITY, limit_share(self._world), self._step)
             more |= {f"{name}_{kind}": value for name, value in settings.items()}
         return body.add_joint(
             type=mjtJoint.mjJNT_SLIDE if is_slide else mjtJoint.mjJNT_HINGE,
@@ -262,7 +271,7 @@ class MujocoBody:
 
     def _keep_apart(self) -> None:
         """Let only those links touch each other that touch each other in Gazebo."""
-        touching = may_touch(self.robot)
+        touching = may_touch(self.robot, is_one_enough=self._world.is_classic)
         for one, other in combinations(self.bodies, 2):
             if frozenset((one, other)) not in touching:
                 self._excludes.append(
