@@ -274,6 +274,15 @@ def test_end_of_life_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().err == ""
 
 
+def test_the_name_of_a_package_of_ros(capsys: pytest.CaptureFixture[str]) -> None:
+    options = ("--distro", "lyrical", "-w", "ws_gazebo")
+    assert new("my_nav2_msgs", *options) == 0
+    assert capsys.readouterr().err == ""
+    assert new("nav2_msgs", *options) == 0
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("note: ROS has a package nav2_msgs: where this one is built")
+
+
 def test_options_reach_the_files(here: Path) -> None:
     text = "<b> & \"c\" 'd' ${x} {{x}}\n🤖"
     assert new("gazebo_test", "--description", text, "--license", "mit", "--set", "mass=2") == 0

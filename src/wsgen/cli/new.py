@@ -162,6 +162,11 @@ def _print_notes(created: CreatedPackage, *, verbose: bool) -> None:
         from wsgen.cli.words import short_name
 
         _note(f"{short_name(created.kept_file)} already exists and is not changed.")
+    if created.is_of_ros:
+        _note(
+            f"ROS has a package {created.folder.name}: where this one is built and sourced, it"
+            " hides that one. Choose another name, unless it is to replace it."
+        )
     if created.end_of_life is not None:
         _note(created.end_of_life)
     if created.repository is not None:
