@@ -222,6 +222,14 @@ def test_parts_of_absurd_size(
     assert hint in (found[0].hint or "")
 
 
+@pytest.mark.parametrize(("scale", "expected"), [(400.0, []), (600.0, ["ROB066"])])
+def test_terrain_may_be_larger(tmp_path: Path, scale: float, expected: list[str]) -> None:
+    file = write(tmp_path, "a.stl", mesh_samples.binary_stl())
+    terrain = replace(robot(mesh(file, (scale, scale, 1.0))), is_static=True)
+    _, found = inspect_meshes(terrain, file=None, folder=tmp_path, run=in_this_process)
+    assert [one.code for one in found] == expected
+
+
 def test_a_scale_that_is_no_number_is_not_judged_here(tmp_path: Path) -> None:
     file = write(tmp_path, "a.stl", mesh_samples.binary_stl())
     model = robot(mesh(file, (float("nan"), 1.0, 1.0)))

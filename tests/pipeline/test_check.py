@@ -749,6 +749,15 @@ def test_a_robot_that_is_for_rviz_alone(tmp_path: Path) -> None:
     launch = package / "launch" / "start.launch.py"
     launch.write_text("def generate_launch_description(): ...  # starts ros_gz_sim\n")
     assert only(package, "dropped-link") == [("dropped-link", "error")]
+    # Gazebo is given the SDF of the robot, if that has all its links.
+    model = package / "models" / "r" / "model.sdf"
+    model.parent.mkdir(parents=True)
+    model.write_text('<sdf version="1.6"><model name="r"><link name="a"/></model></sdf>')
+    assert only(package, "dropped-link") == [("dropped-link", "error")]
+    model.write_text(
+        '<sdf version="1.6"><model name="r"><link name="a"/><link name="b"/></model></sdf>'
+    )
+    assert only(package, "dropped-link") == [("dropped-link", "warning")]
 
 
 def test_two_packages_of_one_name(tmp_path: Path) -> None:

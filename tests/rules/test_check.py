@@ -9,7 +9,18 @@ import pytest
 
 from rules.robot_runs import STANDS
 from wsgen.diagnostics import Severity
-from wsgen.model.robot import GazeboTag, Inertial, Joint, JointLimit, JointType, Link, Plugin, Robot
+from wsgen.model.robot import (
+    Collision,
+    GazeboTag,
+    Inertial,
+    Joint,
+    JointLimit,
+    JointType,
+    Link,
+    Mesh,
+    Plugin,
+    Robot,
+)
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
 from wsgen.rules.check import check_robot
@@ -78,6 +89,13 @@ def test_what_water_carries_does_not_fall() -> None:
     assert codes(SINKS, robot=floating("gz-sim-thruster-system")) == ["SPN054", "SPN056"]
     assert codes(STANDS, world=IN_WATER) == []
     assert codes(replace(SINKS, mass=2.0), world=IN_WATER) == ["SPN050", "SPN109"]
+
+
+def test_what_lacks_a_collision_mesh_falls_for_that_reason() -> None:
+    for path, expected in ((None, ["SPN054"]), ("/m/hull.stl", ["SPN054", "SPN056"])):
+        hull = Collision(geometry=Mesh(uri="model://m/hull.stl", path=path))
+        crate = replace(ROBOT, links=(Link(name="base", inertial=BODY, collisions=(hull,)),))
+        assert codes(SINKS, robot=crate) == expected
 
 
 def test_a_robot_that_stands() -> None:

@@ -106,6 +106,16 @@ def test_what_is_wrong_with_a_file(read: Read, content: str, codes: list[str]) -
     assert [found.code for found in read(content).diagnostics] == codes
 
 
+def test_a_model_without_the_element_around_it(tmp_path: Path) -> None:
+    file = tmp_path / "bad.sdf"
+    file.write_text("<model name='m'><link name='l'/></model>")
+    (found,) = read_sdf(file, find_model=lambda _: None).diagnostics
+    assert (found.code, found.hint) == (
+        "WLD003",
+        'Write <sdf version="1.6"> above the <model>, and </sdf> below it.',
+    )
+
+
 @pytest.mark.parametrize(
     ("content", "code"),
     [

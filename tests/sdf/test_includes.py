@@ -205,6 +205,21 @@ def test_what_cannot_be_had(read: Read, models: Path, include: str, severity: Se
     assert (found.code, found.severity) == ("WLD004", severity)
 
 
+@pytest.mark.parametrize("uri", ["/home/ada/ws/models/box", "file:///home/ada/ws/models/box"])
+def test_a_path_of_another_machine(read: Read, uri: str) -> None:
+    mesh = f"<mesh><uri>{uri}/box.stl</uri></mesh>"
+    collision = f"<collision name='c'><geometry>{mesh}</geometry></collision>"
+    file = read(
+        world(
+            f"<include><uri>{uri}</uri></include>"
+            f"<model name='m'><link name='l'>{collision}</link></model>"
+        )
+    )
+    hints = {found.code: found.hint or "" for found in file.diagnostics}
+    assert "Other machines do not have this path." in hints["WLD004"]
+    assert "Other machines do not have this path." in hints["ROB060"]
+
+
 def test_a_special_file_is_not_read(read: Read, models: Path) -> None:
     (models / "m").mkdir()
     os.mkfifo(models / "m" / "model.sdf")

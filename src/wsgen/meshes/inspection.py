@@ -115,6 +115,7 @@ MESH_FORMAT_NOT_READ_BY_ALL = Rule(
 
 MANY_TRIANGLES = 200_000  # engines take a second or more for each such mesh
 LARGEST = 100.0  # m, edge of the box around a part of a robot
+LARGEST_STATIC = 1000.0  # m, of one around a terrain or a race track
 SMALLEST = 1e-4  # m
 USUAL = (0.005, 5.0)  # m, that of most parts
 FACTORS = (0.001, 0.0254, 0.01, 0.1, 10.0, 100.0, 1000.0)  # mm, inches, cm …, and their opposites
@@ -135,6 +136,7 @@ class MeshUse(NamedTuple):
     mesh: Mesh
     path: str
     is_visual: bool
+    is_static: bool  # of a model that does not move
 
     @property
     def asked(self) -> Asked:
@@ -190,7 +192,8 @@ def check_use(
 def _check_extent(use: MeshUse, answer: InspectedMesh, file: Path | None) -> Iterator[Diagnostic]:
     edges = zip(answer.low, answer.high, use.mesh.scale, strict=True)
     extent = max(abs(scale) * (high - low) for low, high, scale in edges)  # m
-    if SMALLEST <= extent <= LARGEST or math.isnan(extent):  # the reader reports a scale of NaN
+    largest = LARGEST_STATIC if use.is_static else LARGEST
+    if SMALLEST <= extent <= largest or math.isnan(extent):  # the reader reports a scale of NaN
         return
     problem = f"is {extent:.3g} m {_size_word(extent)}"
     yield _report(use, file, IMPLAUSIBLE_MESH_SIZE, problem, _units_hint(use, extent))
@@ -277,18 +280,18 @@ def inspect_meshes(
     for link in robot.links:
         visuals = [visual for one in link.visuals for visual in _new_visuals(one, answers, colored)]
         collisions = [_new_collision(one, answers) for one in link.collisions]
-        for use in _uses(link):
+        for use in _uses(link, is_static=robot.is_static):
             found |= dict.fromkeys(check_use(use, answers[use.asked], file))
         links.append(replace(link, visuals=tuple(visuals), collisions=tuple(collisions)))
     return replace(robot, links=tuple(links)), tuple(found)
 
 
-def _uses(link: Link) -> Iterator[MeshUse]:
+def _uses(link: Link, *, is_static: bool = False) -> Iterator[MeshUse]:
     collisions = [(collision.geometry, False) for collision in link.collisions]
     visuals = [(visual.geometry, True) for visual in link.visuals]
     for geometry, is_visual in (*collisions, *visuals):
         if isinstance(geometry, Mesh) and geometry.path is not None:
-            yield MeshUse(link, geometry, geometry.path, is_visual=is_visual)
+            yield MeshUse(link, geometry, geometry.path, is_visual=is_visual, is_static=is_static)
 
 
 def _requests(robot: Robot, *, with_colors: bool) -> list[MeshRequest]:

@@ -71,6 +71,7 @@ if TYPE_CHECKING:
 
 
 OF_TESTS = frozenset({"test", "tests"})  # folders; their launch files are for launch_testing
+OF_LINK = lazy_pattern(rb"<link\b[^>]*?\sname\s*=\s*[\"']([^\"']+)")
 OF_GAZEBO = lazy_pattern(
     r"(?i)gazebo|\bgz\b|\bros_(?:gz|ign)_|\b(?:gz|ign)_sim\b|\bign_ros2_control"
 )
@@ -303,6 +304,22 @@ class PackageCheck:
             )
         )
 
+    def _may_be_spawned(self, robots: Sequence[PreparedRobot]) -> bool:
+        """Whether Gazebo may be given a robot of a file that no launch file here spawns.
+
+        It is not where nothing is about Gazebo, or where the robot is there as SDF, too, with all
+        its links: that is for Gazebo, and the URDF for robot_state_publisher.
+        """
+        if not self._is_for_gazebo():
+            return False
+        links = {link.name.encode() for robot in robots for link in robot.written.links}
+        return not any(
+            links <= {*OF_LINK.findall(read(file))}
+            for package in self.installed.sources.values()
+            for file in find_descriptions(package.path)
+            if file.suffix == ".sdf"
+        )
+
     def _is_installed(self, package: str) -> bool:
         """Whether a package is on this machine or in the workspace."""
         return self.overlay.share(package) is not None
@@ -329,7 +346,11 @@ class PackageCheck:
             )
             context = PrepareContext(share_of=validation.share_of, folder=folder, run=self.run_task)
             _, prepared = validation.read(context)
-            yield from of_file_alone(validation.diagnostics, self._is_for_gazebo, validation.text)
+            yield from of_file_alone(
+                validation.diagnostics,
+                partial(self._may_be_spawned, prepared),
+                validation.text,
+            )
             self._note(prepared, dict.fromkeys((one.entity for one in prepared), file), None)
 
 

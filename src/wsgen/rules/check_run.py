@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Severity, has_errors
 from wsgen.model.gazebo_plugins import carried_by
 from wsgen.model.kinematics import link_poses, unactuated_joints
-from wsgen.model.robot import JointType
+from wsgen.model.robot import JointType, Mesh
 from wsgen.rules import runs
 
 if TYPE_CHECKING:
@@ -37,6 +37,10 @@ FOLLOW_FROM_WEIGHT = {
         *(runs.SPAWNED_IN_GROUND, runs.SPAWNED_HIGH, runs.STUCK_IN_GROUND, runs.FALLS_WITHOUT_END),
         *(runs.THROWN_INTO_THE_AIR, runs.KEEPS_MOVING, runs.TIPS_OVER, runs.LEANS),
     )
+}
+# What a model of a world does whose collision meshes are reported as missing.
+FOLLOW_FROM_MISSING_MESH = {
+    rule.code for rule in (runs.FALLS_WITHOUT_END, runs.TIPS_OVER, runs.LEANS)
 }
 ON_THE_GROUND = 0.02  # m
 TOUCHES = 0.003  # m; engines have collision margins of 1 mm
@@ -100,12 +104,22 @@ def check_run(  # noqa: PLR0913  most have defaults
             motion = [_as_on_a_slope(one) for one in motion]
         elif is_alone and not motion and not depths and _is_on_the_ground(world, robot_run):
             motion = [*_leaning(robot, robot_run)]
+        if _lacks_collision_mesh(robot):
+            motion = [one for one in motion if one.code not in FOLLOW_FROM_MISSING_MESH]
         found += motion
     plugin = carried_by(robot, world)
     if plugin is not None and any(one.code in FOLLOW_FROM_WEIGHT for one in found):
         found = [one for one in found if one.code not in FOLLOW_FROM_WEIGHT]
         found.append(runs.no_buoyancy(entity, plugin))
     return tuple(found)
+
+
+def _lacks_collision_mesh(robot: Robot) -> bool:
+    return any(
+        isinstance(one.geometry, Mesh) and one.geometry.path is None
+        for link in robot.links
+        for one in link.collisions
+    )
 
 
 def _as_buried(

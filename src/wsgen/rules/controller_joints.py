@@ -114,8 +114,8 @@ def missing_controller_file(
         message=f"The parameter file `{path}` does not exist.",
         hint=did_you_mean(near)
         if near
-        else f"Write $(find {place.package})/{place.inside}; xacro replaces it with the installed "
-        "path."
+        else f"Write $(find {place.package})/{place.inside}, and have the launch file expand the "
+        "description with xacro, which replaces it with the installed path."
         if place
         else f"Create it if it is missing, and install its folder `{path.parent.name}` in "
         "CMakeLists.txt or setup.py.",

@@ -137,6 +137,11 @@ WHERE = (
     "Copy its folder beside this file, or to a folder of GAZEBO_MODEL_PATH (Gazebo Classic) or "
     "GZ_SIM_RESOURCE_PATH (Gazebo Sim)."
 )
+OF_ONE_MACHINE = (
+    "Other machines do not have this path. Copy the folder into a package, and write model://NAME; "
+    "the folder that has NAME is to be in GAZEBO_MODEL_PATH (Gazebo Classic) or "
+    "GZ_SIM_RESOURCE_PATH (Gazebo Sim)."
+)
 
 
 class Includes:
@@ -431,6 +436,8 @@ def how_to_find(uri: str) -> str:
     """What to do about a model or mesh that was not found."""
     if not uri:
         return "Write <uri>model://NAME</uri> into it."
+    if uri.removeprefix("file://").startswith("/"):
+        return OF_ONE_MACHINE
     if "://" not in uri:
         return "Check its spelling and upper and lower case; the path is relative to this file."
     if _is_on_network(uri):

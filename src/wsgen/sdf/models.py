@@ -547,7 +547,9 @@ def _selected(source: Source) -> Element | None:
             f"its root element is <{source.root.tag}>.",
             at=source.root,
             child="model" if (source.root, "model") in source.misspelled else "world",
-            hint='Write <sdf version="1.5"><world name="..."> ... </world></sdf>.',
+            hint='Write <sdf version="1.6"> above the <model>, and </sdf> below it.'
+            if source.root.tag == "model"
+            else 'Write <sdf version="1.5"><world name="..."> ... </world></sdf>.',
         )
         return None
     first = next((element for element in found if element.tag == "world"), found[0])
