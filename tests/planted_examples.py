@@ -246,6 +246,10 @@ ROBOTS: dict[str, Plant] = {
         f'<link name="base_link">{INERTIAL}'
         "<visual><geometry>@</geometry></visual><collision><geometry>@</geometry></collision></link>"
     ),
+    "ROB151": robot(
+        f'<link name="base_link">{INERTIAL}@</link>',
+        files={"meshes/hand.stl": "STL", "meshes/hand_mirrored.stl": "STL"},
+    ),
     "ROB029": robot(
         f'<link name="base_link">{INERTIAL}'
         "<visual><geometry>@</geometry></visual><collision><geometry>@</geometry></collision></link>",

@@ -184,7 +184,7 @@ REFUSED = {
     "anymal_c": {"ROB041"},
     "icub": {"ROB037"},
     "romeo_small": {"ROB037"},
-    "talos_full_v2": {"ROB028", "ROB041"},
+    "talos_full_v2": {"ROB151", "ROB041"},
     "ur3": {"ROB004", "ROB005"},
     "icubgenova03": {"ROB037", "ROB040"},
     "rtb_test": {"ROB001"},
@@ -196,11 +196,11 @@ REFUSED = {
 # What Gazebo takes, and the errors that say what it silently makes of it.
 CUT = {
     "racecar_differential": {"ROB016"},
-    "centauro": {"ROB028"},
+    "centauro": {"ROB151"},
     "human": {"ROB040"},
     "romeo": {"ROB040"},
-    "tiago_dual": {"ROB028"},
-    "tiago_pro": {"ROB028"},
+    "tiago_dual": {"ROB151"},
+    "tiago_pro": {"ROB151"},
     "icubnancy01": {"ROB037", "ROB040"},
 }
 

@@ -30,7 +30,7 @@ WHY = {
     "ROB015": "URDF does not have this joint type",
     "ROB016": "Gazebo's parser refuses the number, or drops the element",
     "ROB024": "Gazebo does not know this shape in a URDF",
-    "ROB028": "the physics engine of Gazebo crashes on a collision mesh with a mirroring scale",
+    "ROB151": "the physics engine of Gazebo Sim terminates on a mirrored collision mesh",
     "ROB037": "Gazebo refuses the inertia (Error 18)",
     "ROB040": "a link has no mass: Gazebo refuses the robot, or drops the link and all below it",
     "ROB041": "Gazebo computes a center of mass as 0/0 and refuses the robot",

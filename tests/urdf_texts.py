@@ -141,7 +141,7 @@ ERRORS = {
         robot(link("a", MASS + shape("collision", '<mesh filename="a.stl" scale="0 1 1"/>'))),
     ),
     "mirrored mesh": (
-        "ROB028",
+        "ROB151",
         robot(link("a", MASS + shape("collision", '<mesh filename="a.stl" scale="1 -1 1"/>'))),
     ),
     "mesh without name": ("ROB029", robot(link("a", MASS + shape("visual", "<mesh/>")))),

@@ -192,8 +192,7 @@ ZERO_SIZE = Rule(
     "flat box, which most builds of Gazebo accept",
     summary="A size or scale is not greater than 0.",
     what=(
-        "Checks lengths, radii and scales of shapes and meshes. A negative scale may mirror a "
-        "visual mesh."
+        "Checks lengths, radii and scales of shapes and meshes. A negative scale mirrors a mesh."
     ),
     why=(
         "The physics engine of Gazebo terminates the program on a collision of size 0; a visual of "
@@ -201,6 +200,23 @@ ZERO_SIZE = Rule(
     ),
     example='<cylinder radius="0" length="0.1"/>',
     instead='<cylinder radius="0.05" length="0.1"/>',
+)
+MIRRORED_MESH = Rule(
+    code="ROB151",
+    name="mirrored-collision-mesh",
+    severity=Severity.ERROR,
+    severity_varies="a warning in Gazebo Classic, which simulates it",
+    summary="The scale of a collision mesh is negative: the mesh is mirrored.",
+    why="The physics engine of Gazebo Sim terminates the program on a mirrored mesh. A visual may "
+    "be mirrored.",
+    example='<collision>\n  <geometry>\n    <mesh filename="package://my_robot/meshes/hand.stl" '
+    'scale="1 -1 1"/>\n  </geometry>\n</collision>',
+    instead="<collision>\n  <geometry>\n    <mesh "
+    'filename="package://my_robot/meshes/hand_mirrored.stl"/>\n  </geometry>\n</collision>',
+)
+MIRROR_IT = (
+    "Mirror the mesh in its file, for example in Blender, and write a positive scale: Gazebo Sim's "
+    "physics engine terminates on a mirrored one."
 )
 MAKE_IT_THICK = (  # a flat box
     "Make it 1 mm thick: Gazebo builds with assertions, such as Debian's, terminate on a flat box."

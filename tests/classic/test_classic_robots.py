@@ -32,7 +32,6 @@ DIFFERENT = {"icub": OLD_SDFORMAT}
 # What wsgen refuses of a robot that Gazebo Classic simulates, and why.
 WHY = {
     "ROB016": "Gazebo's parser drops the element",
-    "ROB028": "mirrored collision meshes, which no engine of wsgen has",
     "ROB040": "Gazebo drops a link, and what is below it: the robot is another one",
     "ROB041": "Gazebo computes a center of mass as 0/0 and puts the link to the origin",
 }
@@ -42,10 +41,9 @@ _LOSING_LINKS = (
 )
 STRICTER = {
     **{name: {"ROB040"} for name in _LOSING_LINKS},
-    **{name: {"ROB028"} for name in ("centauro", "tiago_dual", "tiago_pro")},
     "anymal_c": {"ROB041"},
     "racecar_differential": {"ROB016"},
-    "talos_full_v2": {"ROB028", "ROB041"},
+    "talos_full_v2": {"ROB041"},
 }
 
 pytestmark = [pytest.mark.oracle, pytest.mark.slow]

@@ -94,7 +94,6 @@ CASES: Mapping[str, str] = {
 STRICTER = {
     "negative box": "ROB028: no engine of wsgen has such shapes; Gazebo Sim ends on them",
     "negative cylinder": "ROB028, as above",
-    "mirrored mesh": "ROB028, as above",
 }
 # What is left of the robot rests there, too; wsgen refuses it for what is dropped.
 CUT = ("massless child",)

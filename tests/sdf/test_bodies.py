@@ -190,7 +190,7 @@ def test_a_mirrored_mesh_can_be_seen_but_not_touched(read: Read, models: Path) -
     mesh = "<geometry><mesh><uri>x.stl</uri><scale>1 -1 1</scale></mesh></geometry>"
     assert link_of(read(model(f'{MASS}<visual name="v">{mesh}</visual>'))).visuals
     file = read(model(f'{MASS}<collision name="c">{mesh}</collision>'))
-    assert [found.code for found in file.diagnostics] == ["ROB028"]
+    assert [found.code for found in file.diagnostics] == ["ROB151"]
 
 
 def test_surface(read: Read) -> None:

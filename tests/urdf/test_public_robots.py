@@ -26,8 +26,8 @@ SINCE_1238 = (
     "March 2023, in 12.7.2, 13.5 and 14.0); the oracle is older"
 )
 NO_EXTENT = (
-    "shapes with a size of 0 and mirrored collision meshes: Gazebo's parser takes them, its engine "
-    "(DART) ends the program on them; they are left out with an error, visuals with a warning"
+    "shapes with a size of 0: Gazebo's parser takes them, its engine (DART) ends the program on "
+    "them; they are left out with an error, visuals with a warning"
 )
 ONE_SPACE_OF_NAMES = (
     "a joint and a link of one name: Gazebo Sim refuses the robot; nobody knows which simulator a "
@@ -35,10 +35,7 @@ ONE_SPACE_OF_NAMES = (
 )
 # Robot -> the kinds of differences, how many there are, and why.
 DIFFERENT = {
-    "centauro": ({"number of collisions": 16}, NO_EXTENT),
     "icub": ({"link": 8, "joint": 8, "mass": 1}, SINCE_1238),
-    "tiago_dual": ({"number of collisions": 13}, NO_EXTENT),
-    "tiago_pro": ({"number of collisions": 1}, NO_EXTENT),
     "icubgenova03": ({"link": 8, "joint": 8, "mass": 1}, SINCE_1238),
     "icubnancy01": ({"link": 8, "joint": 8, "mass": 1}, SINCE_1238),
     "upkie": ({"number of visuals": 5}, NO_EXTENT),

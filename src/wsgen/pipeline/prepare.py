@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.description_rules import (
     IMPOSSIBLE_INERTIA,
+    MIRRORED_MESH,
     MISSING_COLLISION_MESH,
     MISSING_VISUAL_MESH,
     ONE_NAME_FOR_LINK_AND_JOINT,
@@ -69,6 +70,7 @@ SEVERITIES: Mapping[str, Mapping[str, Severity]] = {
         IMPOSSIBLE_INERTIA.code: Severity.WARNING,
         IMPOSSIBLE_SUM.code: Severity.WARNING,
         DUPLICATE_SENSOR.code: Severity.WARNING,
+        MIRRORED_MESH.code: Severity.WARNING,
     },
 }
 # What only older versions of sdformat do.

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from wsgen.description_rules import (
     MAKE_IT_THICK,
+    MIRROR_IT,
+    MIRRORED_MESH,
     MISSING_COLLISION_MESH,
     MISSING_VISUAL_MESH,
     NO_SHAPE,
@@ -487,10 +489,16 @@ class ShapeReader:
     def _mesh(self, shape: Element, owner: Element) -> Geometry | None:
         uri = word(shape, "uri")
         scale = triple(self.source, shape, "scale", default=(1.0, 1.0, 1.0))
-        # A visual may be mirrored.
         is_visual = owner.tag == "visual"
-        if not is_sized(self.source, shape, tuple(map(abs, scale)) if is_visual else scale):
+        if not is_sized(self.source, shape, tuple(map(abs, scale))):
             return None
+        if min(scale) < 0 and not is_visual:
+            self.source.report(
+                MIRRORED_MESH,
+                "A scale of this collision mesh is negative.",
+                at=shape,
+                hint=MIRROR_IT,
+            )
         path = self.includes.path(self.source, uri) if uri else None
         if path is not None and is_file(path):
             return Mesh(uri=uri, scale=scale, path=str(path), part=_part_of_mesh(shape))

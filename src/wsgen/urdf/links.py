@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING
 
 from wsgen.description_rules import (
     MAKE_IT_THICK,
+    MIRROR_IT,
+    MIRRORED_MESH,
     NEGATIVE_MASS,
     NO_SHAPE,
     UNNAMED_ELEMENT,
@@ -399,9 +401,16 @@ def _read_mesh(collector: Collector, shape: Element, path: str) -> Mesh | Unusab
         )
     if scale is None or not uri:
         return Unusable.UNREADABLE
-    # A mirrored mesh is visible, but Gazebo's physics engine terminates on it.
-    if 0 in scale or (min(scale) < 0 and not _is_only_seen(path)):
+    if 0 in scale:
         return _without_extent(collector, shape, path, "The scale")
+    if min(scale) < 0 and not _is_only_seen(path):
+        collector.report(
+            MIRRORED_MESH,
+            "A scale of this collision mesh is negative.",
+            hint=MIRROR_IT,
+            at=shape,
+            path=path,
+        )
     return Mesh(uri=uri, scale=scale)
 
 
@@ -433,7 +442,7 @@ def _without_extent(
             ZERO_SIZE,
             f"{message}.",
             hint="Write every length, radius and scale as a positive number (m): Gazebo's physics "
-            "engine terminates the program on such a shape. Mirror a mesh in its file.",
+            "engine terminates the program on such a shape.",
             at=shape,
             path=path,
         )
