@@ -25,6 +25,7 @@ from wsgen.pipeline.check_targets import Targets, find_targets
 from wsgen.pipeline.installed_as_built import lay_out
 from wsgen.pipeline.parallel import run_parallel
 from wsgen.pipeline.reported import read_permissions
+from wsgen.pipeline.submodules import with_submodules
 from wsgen.ros_names import released_packages
 from wsgen.suggestions import advice
 from wsgen.values import NamedTuple, dataclass, lazy_pattern
@@ -154,7 +155,8 @@ def _check(
                 targets, request.distro, environment, scratch, sent, executor, calls, serial
             )
             ended += map(_Checked, found)
-        reported = _once(found for each in ended for found in each.diagnostics)
+        once = _once(found for each in ended for found in each.diagnostics)
+        reported = [*with_submodules(once, (one.path for one in targets.packages))]
     for place, packages in targets.inventories.items():
         if (place.root / "src").is_dir():  # elsewhere somebody keeps several workspaces
             reported += duplicate_names(place.root, packages)

@@ -25,6 +25,7 @@ from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.parallel import run_parallel
 from wsgen.pipeline.requests import SelectedPackage
 from wsgen.pipeline.selection import Selection, select_packages
+from wsgen.pipeline.submodules import with_submodules
 from wsgen.rendering.recording import require_encoder, why_no_video
 from wsgen.workspace.layout import Workspace, find_packages, workspace_around
 from wsgen.workspace.overlay import Overlay, open_overlay, overlay_of
@@ -105,7 +106,12 @@ def validate(
             outcomes, not_validated, overlay, request.packages
         )
         outcomes = tuple(
-            replace(outcome, diagnostics=summed_up(outcome.diagnostics))
+            replace(
+                outcome,
+                diagnostics=with_submodules(
+                    summed_up(outcome.diagnostics), (one.path for one in overlay.written)
+                ),
+            )
             for outcome in _with_general(outcomes, overlay, request)
         )
         return Outcome(packages=outcomes, not_validated=not_validated)
