@@ -88,6 +88,10 @@ setup(**{'data_files': rows})
         HEAD + BY_LOOP,
         HEAD + BY_FUNCTION,
         HEAD + BY_PATH,
+        ROWS.format(
+            "*[('share/bot/' + d, glob(os.path.join(os.path.dirname(__file__), d, '*')))"
+            " for d in ('launch', 'urdf')]"
+        ),
     ],
 )  # fmt: skip
 def test_data_files(tmp_path: Path, text: str) -> None:

@@ -96,7 +96,7 @@ class Evaluator:
         self._steps = 0
         self._depth = 0
         self._globals: dict[str, Any] = {
-            "__file__": str(file),
+            "__file__": file.name,  # colcon executes it in its folder, by this name
             "__name__": "__main__",
             **{name: Reference(name) for name in BUILTINS},
         }
