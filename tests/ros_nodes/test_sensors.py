@@ -39,6 +39,7 @@ WALL = Link(
     visuals=(Visual(geometry=Box(size=(0.2, 10.0, 4.0)), rgba=(1.0, 0.0, 0.0, 1.0)),),
 )
 ROVER = Robot(name="rover", root="base", links=(BODY,))
+PLACE = Pose((0.0, 0.0, 0.1))
 MAST = Pose((0.0, 0.0, 0.4))  # in the base, which stands 0.1 m high
 
 
@@ -70,14 +71,16 @@ def simulated(
     wall: Link = WALL,
     robot: Robot = ROVER,
     plugins: tuple[Element, ...] = (),
+    pose: Pose = PLACE,
+    others: tuple[SpawnedRobot, ...] = (),
 ) -> Iterator[tuple[Any, FakeRos]]:
     walls = replace(Robot(name="wall", root="link", links=(wall,)), is_static=True)
-    rover = SpawnedRobot(entity="rover", robot=robot, pose_in_world=Pose((0.0, 0.0, 0.1)))
+    rover = SpawnedRobot(entity="rover", robot=robot, pose_in_world=pose)
     static = SpawnedRobot(
         entity="wall", robot=walls, pose_in_world=Pose((2.1, 0.0, 1.0)), is_static_model=True
     )
     scene = LiveScene(
-        scene=Scene(world=WORLD, robots=(rover, static)),
+        scene=Scene(world=WORLD, robots=(rover, *(others or (static,)))),
         simulator=simulator,
         world="field",
         devices={"rover": Devices(sensors=sensors, plugins=plugins)},

@@ -7,16 +7,21 @@ gazebo_ros/include/gazebo_ros/conversions/gazebo_msgs.hpp). Gazebo Sim publishes
 ros_gz_interfaces/Contacts on the <topic> in <contact>, else `/world/…/sensor/NAME/contact`, while
 something touches (gazebosim/gz-sim, src/systems/contact/Contact.cc).
 
-Forces are those along the normal; friction is not in them. They are those of the last step.
+Forces are those along the normal; friction is not in them. They are those of the last step, where
+Gazebo Classic has a state for each step since the last message. In Gazebo Classic they are seen
+from the link, with torques about its center of mass (tests/classic/test_sensors.py).
 """
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from geometry_msgs.msg import Vector3, Wrench
 
-from wsgen.ros_nodes.simulator.sensors.mounting import NEVER, Sensor, sensor_qos
+from wsgen.model.transform import compose
+from wsgen.ros_nodes.simulator.sensors.mounting import NEVER, Sensor, rotation, sensor_qos
 from wsgen.ros_nodes.simulator.sensors.touching import (
     collision_names,
     first_collisions,
@@ -24,6 +29,8 @@ from wsgen.ros_nodes.simulator.sensors.touching import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from wsgen.model.devices import MountedSensor
     from wsgen.ros_nodes.simulator.host import Host, RobotHandle
     from wsgen.ros_nodes.simulator.sensors.touching import Touched
@@ -107,14 +114,24 @@ class ContactSensor(Sensor):
         state = self._messages.ContactState()
         state.collision1_name, state.collision2_name = found.own, found.other
         state.info = f"{len(found.points)} points"
-        state.wrenches = [Wrench(force=_force(point)) for point in found.points]
-        for axis in "xyz":
-            total = sum(getattr(wrench.force, axis) for wrench in state.wrenches)
-            setattr(state.total_wrench.force, axis, total)
+        state.wrenches = [self._wrench(point) for point in found.points]
+        for part, axis in itertools.product(("force", "torque"), "xyz"):
+            total = sum(getattr(getattr(wrench, part), axis) for wrench in state.wrenches)
+            setattr(getattr(state.total_wrench, part), axis, total)
         state.contact_positions = [_vector(point.point) for point in found.points]
         state.contact_normals = [_vector(point.normal) for point in found.points]
         state.depths = [point.depth for point in found.points]
         return state
+
+    def _wrench(self, contact: Contact) -> Any:
+        """The force, and the torque about the center of mass, in the frame of the link."""
+        link = self.robot.robot.link(self.sensor.link)
+        pose = self.robot.link_poses()[link.name]
+        center = compose(pose, link.inertial.pose_in_link) if link.inertial else pose
+        turn = rotation(pose).T
+        force = contact.force * (turn @ contact.normal)
+        arm = turn @ np.subtract(contact.point, center.xyz)
+        return Wrench(force=_vector(force), torque=_vector(np.cross(arm, force)))
 
     def _contact(self, found: Touched) -> Any:
         contact = self._messages.Contact()
@@ -130,7 +147,7 @@ class ContactSensor(Sensor):
         return contact
 
 
-def _vector(numbers: tuple[float, float, float]) -> Any:
+def _vector(numbers: Iterable[float]) -> Any:
     x, y, z = map(float, numbers)
     return Vector3(x=x, y=y, z=z)
 

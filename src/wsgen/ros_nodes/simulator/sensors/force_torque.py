@@ -6,7 +6,8 @@ src/ForceTorqueSensor.cc). Gazebo Classic's sensor has no topic of ROS; ros2_con
 the plugin `gazebo_ros_ft_sensor` measures a joint by itself (../plugins/force_torque.py).
 
 What the child link exerts on the parent link is measured (SDF's `child_to_parent`), about the
-origin of the sensor and in the frame of the child, or as <frame> and <measure_direction> say.
+origin of the sensor (in Gazebo Classic: of the joint) and in the frame of the child, or as <frame>
+and <measure_direction> say.
 """
 
 from __future__ import annotations
@@ -65,7 +66,8 @@ class JointLoad(Sensor):
         """The force (N) and the torque (N m)."""
         force, torque = map(np.array, self.robot.joint_wrench(self._joint.name))
         poses, pose = self.robot.link_poses(), self.pose()
-        torque = torque + np.cross(np.array(poses[self._joint.child].xyz) - pose.xyz, force)
+        if self.host.simulator != "classic":
+            torque = torque + np.cross(np.array(poses[self._joint.child].xyz) - pose.xyz, force)
         links = {"child": self._joint.child, "parent": self._joint.parent}
         seen_from = poses.get(links.get(self._frame, ""), pose)
         turn = rotation(seen_from).T * self._sign

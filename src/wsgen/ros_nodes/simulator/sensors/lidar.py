@@ -28,6 +28,7 @@ from sensor_msgs.msg import ChannelFloat32, LaserScan, PointCloud, PointCloud2, 
 from wsgen.ros_nodes.simulator.elements import number
 from wsgen.ros_nodes.simulator.host import CannotWorkError
 from wsgen.ros_nodes.simulator.sensors.clouds import FLOAT32, UINT16, fill_cloud, layout
+from wsgen.ros_nodes.simulator.sensors.inside import Housings
 from wsgen.ros_nodes.simulator.sensors.lidar_scan import Scanner, read_lidar
 from wsgen.ros_nodes.simulator.sensors.mounting import NEVER, Sensor, sensor_qos
 from wsgen.ros_nodes.simulator.sensors.reflection import Reflection
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 
     from wsgen.model.devices import Element, MountedSensor
     from wsgen.ros_nodes.simulator.host import Host, RobotHandle
+    from wsgen.ros_nodes.simulator.sensors.lidar_scan import CastRays
     from wsgen.simulation.scene import SpawnedRobot
 
     Floats = NDArray[np.float64]
@@ -67,22 +69,35 @@ class _Reflections:
     def __init__(self) -> None:
         self._robots: tuple[SpawnedRobot, ...] = ()  # that are known
         self._known: dict[bool, Reflection] = {}
+        self._housings: Housings | None = None
+
+    def cast_rays(self, host: Host, starts: Floats, ends: Floats, cast: CastRays) -> Floats:
+        """How far rays of Gazebo Classic get, which see from inside what they begin in."""
+        self._look_at(host)
+        if self._housings is None:
+            has_ground = host.view().world.has_ground_plane
+            self._housings = Housings(self._robots, has_ground=has_ground)
+        return np.minimum(cast(starts, ends), self._housings.leave(starts, ends, host.view().poses))
 
     def intensities(
         self, host: Host, starts: Floats, ends: Floats, fractions: Floats, *, is_gpu: bool
     ) -> Floats:
         """Those of rays; what reflects is read again when robots came or went."""
-        robots = tuple(robot.spawned for robot in host.robots.values())
-        if len(robots) != len(self._robots) or not all(map(is_, robots, self._robots)):
-            self._robots = robots
-            self._known.clear()
+        self._look_at(host)
         if is_gpu not in self._known:
             has_ground = host.view().world.has_ground_plane
-            self._known[is_gpu] = Reflection(robots, is_gpu=is_gpu, has_ground=has_ground)
+            self._known[is_gpu] = Reflection(self._robots, is_gpu=is_gpu, has_ground=has_ground)
         reflection = self._known[is_gpu]
         if not reflection.is_any:
             return np.zeros(len(fractions))
         return reflection.intensities(starts, ends, fractions, host.view().poses)
+
+    def _look_at(self, host: Host) -> None:
+        robots = tuple(robot.spawned for robot in host.robots.values())
+        if len(robots) != len(self._robots) or not all(map(is_, robots, self._robots)):
+            self._robots = robots
+            self._known.clear()
+            self._housings = None
 
 
 _reflections: WeakKeyDictionary[Any, _Reflections] = WeakKeyDictionary()
@@ -105,7 +120,8 @@ class Lidar(Sensor):
     def __init__(self, host: Host, robot: RobotHandle, sensor: MountedSensor) -> None:
         super().__init__(host, robot, sensor)
         self.outputs: list[Output] = []
-        spec = read_lidar(self.of("lidar", "ray"))
+        self._is_of_classic = host.simulator == "classic" and not sensor.kind.startswith(GPU)
+        spec = read_lidar(self.of("lidar", "ray"), interpolates=self._is_of_classic)
         self.scanner = Scanner(spec, np.random.default_rng(self.seed))
         if host.simulator == "classic":
             for plugin in self.classic_plugins(RAY_SENSOR):
@@ -147,7 +163,7 @@ class Lidar(Sensor):
         if not wanted or not self.pose().is_finite:  # the robot has exploded
             return
         begun = time.thread_time()
-        ranges, intensities = self.scanner.scan(self.pose(), self.robot.cast_rays, self._reflect)
+        ranges, intensities = self.scanner.scan(self.pose(), self._cast_rays, self._reflect)
         for output in wanted:
             message = output.kind()
             message.header.stamp = self.host.stamp()
@@ -164,6 +180,13 @@ class Lidar(Sensor):
             output.publisher.publish(message)
         self.keep_pace(time.thread_time() - begun, "Write fewer <samples>.")
 
+    def _cast_rays(self, starts: Floats, ends: Floats) -> Floats:
+        """How far rays get."""
+        if not self._is_of_classic:
+            return self.robot.cast_rays(starts, ends)
+        reflections = _reflections.setdefault(self.host, _Reflections())
+        return reflections.cast_rays(self.host, starts, ends, self.robot.cast_rays)
+
     def _reflect(self, starts: Floats, ends: Floats, fractions: Floats) -> Floats:
         """The intensities of rays."""
         reflections = _reflections.setdefault(self.host, _Reflections())
@@ -175,6 +198,8 @@ class Lidar(Sensor):
         middle = spec.up.count // 2
         message.angle_min, message.angle_max = spec.across.least, spec.across.most
         message.angle_increment = spec.across.step
+        if spec.across.count == 1 and self.host.simulator == "classic":  # it divides by 0
+            message.angle_increment = math.inf if spec.across.most > spec.across.least else math.nan
         message.range_min, message.range_max = spec.nearest, spec.farthest
         message.ranges = _floats(ranges[middle])
         message.intensities = _floats(intensities[middle])

@@ -41,8 +41,8 @@ OFF_VISUAL = 0.02
 GROUND = 1e-4  # m; what is hit no higher than that is the ground
 
 
-class _Shape(NamedTuple):
-    """A shape that may reflect."""
+class Shape(NamedTuple):
+    """A shape that rays may hit."""
 
     entity: str
     link: str
@@ -62,23 +62,8 @@ class Reflection:
         """Take in what rays may hit; the ground, the plane z = 0, does not reflect."""
         self._off = OFF_VISUAL if is_gpu else OFF_COLLISION
         self._has_ground = has_ground
-        found = [
-            (robot, link, shape)
-            for robot in robots
-            for link in robot.robot.links
-            for shape in (link.visuals if is_gpu else link.collisions)
-        ]
-        if not any(shape.laser_retro for _, _, shape in found):
-            found.clear()
-        self._shapes: list[_Shape] = []
-        for robot, link, shape in found:
-            radius = _radius(shape.geometry)
-            if radius is None or not isinstance(shape.geometry, Primitive | Mesh):
-                continue
-            retro = min(max(0.0, shape.laser_retro), MOST_OF_GPU) if is_gpu else shape.laser_retro
-            is_hull = isinstance(shape.geometry, Mesh) and not robot.robot.is_static
-            place = (robot.entity, link.name, shape.pose_in_link)
-            self._shapes.append(_Shape(*place, shape.geometry, radius, retro, is_hull))
+        shapes = shapes_of(robots, is_gpu=is_gpu)
+        self._shapes = shapes if any(shape.retro for shape in shapes) else []
 
     @property
     def is_any(self) -> bool:
@@ -121,7 +106,7 @@ class Reflection:
             rotation = np.array(rotation_of_rpy(pose.rpy))
             local = (begins[near] - np.array(pose.xyz)) @ rotation
             local_points = apart[near] @ rotation
-            through = _cast(shape.geometry, local, ways[near] @ rotation, local_points)
+            through = cast_at(shape.geometry, local, ways[near] @ rotation, local_points)
             is_hit = (through >= least[near]) & (through < first[near])
             where = near[is_hit]
             first[where] = through[is_hit]
@@ -131,6 +116,24 @@ class Reflection:
                 hulls[near[_is_around(shape.geometry, local_points)]] = shape.retro
         found[hits[~is_found]] = hulls[~is_found]
         return found
+
+
+def shapes_of(robots: Sequence[SpawnedRobot], *, is_gpu: bool) -> list[Shape]:
+    """Collisions, or visuals for lidars on a GPU; not those that no ray finds."""
+    shapes = []
+    for robot in robots:
+        for link in robot.robot.links:
+            for shape in link.visuals if is_gpu else link.collisions:
+                radius = _radius(shape.geometry)
+                if radius is None or not isinstance(shape.geometry, Primitive | Mesh):
+                    continue
+                retro = shape.laser_retro
+                if is_gpu:
+                    retro = min(max(0.0, retro), MOST_OF_GPU)
+                is_hull = isinstance(shape.geometry, Mesh) and not robot.robot.is_static
+                place = (robot.entity, link.name, shape.pose_in_link)
+                shapes.append(Shape(*place, shape.geometry, radius, retro, is_hull))
+    return shapes
 
 
 def _radius(geometry: Geometry) -> float | None:
@@ -155,7 +158,7 @@ def _is_around(geometry: Primitive | Mesh, points: Floats) -> NDArray[np.bool_]:
     return is_around
 
 
-def _cast(geometry: Primitive | Mesh, begins: Floats, ways: Floats, points: Floats) -> Floats:
+def cast_at(geometry: Primitive | Mesh, begins: Floats, ways: Floats, points: Floats) -> Floats:
     """Where rays enter a shape, as fractions of their ways, shape (n,); infinite where they do not.
 
     All is seen from the frame of the shape. A ray that begins inside does not enter. Of meshes
