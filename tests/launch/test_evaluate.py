@@ -386,6 +386,13 @@ def test_parameter_file_that_is_missing(space: InstallSpace) -> None:
     assert (diagnostic.code, diagnostic.severity) == ("LCH019", Severity.WARNING)
 
 
+def test_a_robot_in_the_place_of_a_parameter_file(space: InstallSpace) -> None:
+    plan = space.play("Node(package='rviz2', executable='rviz2', parameters=['<robot/>'])")
+    (found,) = plan.diagnostics
+    assert (found.code, found.element) == ("LCH019", "robot_description")
+    assert found.hint == "Give the parameter its name: {'robot_description': ...}."
+
+
 def test_parameters_of_all_nodes(space: InstallSpace) -> None:
     share = space.add("my_robot", {"p.yaml": "n: {ros__parameters: {a: 1}}\n"})
     node = "Node(package='rviz2', executable='rviz2', name="

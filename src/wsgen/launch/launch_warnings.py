@@ -188,6 +188,16 @@ def report_parameter_file(path: Path, location: Location | None) -> None:
     if known_packages.is_in_shim(str(path)):
         RECORD.note_unresolved(str(path), "the package is not installed", location)
         return
+    if "<robot" in str(path):
+        _report(
+            PARAMETER_FILE_MISSING,
+            location,
+            "robot_description",
+            "The parameters of the node have the text of a robot in the place of a file; the node "
+            "starts without it.",
+            "Give the parameter its name: {'robot_description': ...}.",
+        )
+        return
     place = find_in_package(str(path))
     _report(
         PARAMETER_FILE_MISSING,
