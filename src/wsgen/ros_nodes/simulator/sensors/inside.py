@@ -43,11 +43,13 @@ class Housings:
             low, high = starts[rises, 2], ends[rises, 2]
             found[rises] = low / (low - high)
         middle = starts.mean(axis=0)
+        center = middle.tolist()
         spread = float(np.sqrt(((starts - middle) ** 2).sum(axis=1).max()))
         for shape in self._shapes:
             link = poses.get(shape.entity, {}).get(shape.link)
-            reach = shape.radius + math.hypot(*shape.pose_in_link.xyz) + spread
-            if link is None or not link.is_finite or math.dist(link.xyz, middle) > reach:
+            if link is None or math.dist(link.xyz, center) > shape.reach + spread:
+                continue
+            if not link.is_finite:
                 continue
             pose = compose(link, shape.pose_in_link)
             apart = starts - np.array(pose.xyz)

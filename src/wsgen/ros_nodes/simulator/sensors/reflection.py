@@ -51,6 +51,7 @@ class Shape(NamedTuple):
     radius: float  # m, around its frame
     retro: float
     is_hull: bool  # rays may hit the convex hull of its mesh
+    reach: float  # m, around the frame of its link
 
 
 class Reflection:
@@ -132,7 +133,8 @@ def shapes_of(robots: Sequence[SpawnedRobot], *, is_gpu: bool) -> list[Shape]:
                     retro = min(max(0.0, retro), MOST_OF_GPU)
                 is_hull = isinstance(shape.geometry, Mesh) and not robot.robot.is_static
                 place = (robot.entity, link.name, shape.pose_in_link)
-                shapes.append(Shape(*place, shape.geometry, radius, retro, is_hull))
+                reach = radius + math.hypot(*shape.pose_in_link.xyz)
+                shapes.append(Shape(*place, shape.geometry, radius, retro, is_hull, reach))
     return shapes
 
 
