@@ -489,6 +489,15 @@ def test_models_that_gazebo_looks_up(arguments: str, uri: str) -> None:
     assert only_spawn(spawner(*arguments.split())).model_uri == uri
 
 
+def test_a_file_of_a_package_of_ros_that_is_not_here() -> None:
+    share = "/opt/ros/iron/share/crane_gazebo"
+    code, message = only_error(spawner("-file", f"{share}/models/model.sdf", "-entity", "e"))
+    assert code == "LCH007"
+    assert "is in the package 'crane_gazebo', which was not found" in message
+    code, _ = only_error(spawner("-file", "/ws/share/crane_gazebo/model.sdf", "-entity", "e"))
+    assert code == "SPN012"
+
+
 def test_what_is_not_known_may_publish() -> None:
     gazebo = Process(package=None, executable=None, command=("gzserver",))
     started = plan(gazebo, spawner("-topic", "robot_description", "-entity", "e"))

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.files import after_scheme, read_regular_text
+from wsgen.launch import known_packages
 from wsgen.launch.commands import started_launch_files, started_programs
-from wsgen.launch.explain_missing import absolute_part
+from wsgen.launch.explain_missing import PACKAGE_NOT_FOUND, absolute_part
 from wsgen.launch.known_packages import SURELY
 from wsgen.launch.missing_actions import or_unused_action
 from wsgen.launch.simulators import PACKAGES_OF_GAZEBO, find_simulator
@@ -190,6 +191,14 @@ def _unreadable(plan: LaunchPlan, process: Process, path: str, error: Exception)
             absolute.text,
             message=f"The file to spawn, '{path}', does not exist: {absolute.message}",
             hint=absolute.hint,
+        )
+    package = known_packages.absent_package_of(path)
+    if package is not None:
+        return _report(
+            PACKAGE_NOT_FOUND,
+            process,
+            f"The file to spawn is in the package '{package}', which was not found: '{path}'.",
+            f"Build {package} in this workspace, or source an installation that has it.",
         )
     reason = getattr(error, "strerror", None) or "it is not text in UTF-8"
     return _report(

@@ -304,6 +304,15 @@ def package_of(file: str) -> str | None:
     return rest.split("/", 1)[0] if found and "/" in rest else None
 
 
+def absent_package_of(file: str) -> str | None:
+    """The package of a path in ROS that is not on this machine; None where that is not so."""
+    package, path = package_of(file), as_on_linux(file)
+    if package is None or not path.startswith(f"{_all_prefixes()}/"):
+        return None
+    share = path[: path.rindex("/share/")] + f"/share/{package}"
+    return None if os.path.isdir(share) else package
+
+
 def is_in_shim(file: str) -> bool:
     """Whether a path leads into the share folder of a package that is not installed.
 
