@@ -40,7 +40,7 @@ from wsgen.values import dataclass
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping
 
-    from wsgen.model.robot import Joint, Link, Robot
+    from wsgen.model.robot import Collision, Joint, Link, Robot
     from wsgen.model.world import World
     from wsgen.simulation.bullet import Client
     from wsgen.simulation.engine import Motor
@@ -128,6 +128,45 @@ def without_missing_meshes(tree: Robot) -> Robot:
         )
         links.append(replace(link, collisions=there))
     return replace(tree, links=tuple(links))
+
+
+RIM = 0.05  # of a wheel's width
+PARALLEL = 0.999  # cosine of the angle between a wheel's axis and its axle
+
+
+def with_rims(tree: Robot) -> Robot:
+    """The same tree, its wheels with the two rims alone.
+
+    On them wheels stand in Gazebo Classic, so that a robot on the spot turns about the outer ones;
+    PyBullet lets a cylinder touch the ground in one point, about the middle.
+    """
+    axles = {joint.child: joint for joint in tree.joints if joint.type is JointType.CONTINUOUS}
+    links = []
+    for link in tree.links:
+        axle = axles.get(link.name)
+        if axle is not None:
+            shapes = [part for shape in link.collisions for part in _rims(shape, axle)]
+            links.append(replace(link, collisions=tuple(shapes)))
+        else:
+            links.append(link)
+    return replace(tree, links=tuple(links))
+
+
+def _rims(shape: Collision, axle: Joint) -> Iterator[Collision]:
+    """The rims of a cylinder that turns about its axis; any other shape as it is."""
+    geometry, pose = shape.geometry, shape.pose_in_link
+    along = rotate(rotation_of_rpy(pose.rpy), (0.0, 0.0, 1.0))
+    lies_on_axle = abs(math.fsum(a * b for a, b in zip(along, axle.axis_in_joint, strict=True)))
+    if not isinstance(geometry, Cylinder) or lies_on_axle < PARALLEL:
+        yield shape
+        return
+    width = RIM * geometry.length
+    for z in ((geometry.length - width) / 2, (width - geometry.length) / 2):
+        yield replace(
+            shape,
+            geometry=replace(geometry, length=width),
+            pose_in_link=compose(pose, Pose((0.0, 0.0, z))),
+        )
 
 
 def unread_mesh(client: Client, body: int, tree: Robot, index_of: Mapping[str, int]) -> str | None:
@@ -287,11 +326,12 @@ class BulletBody:
         self._client = client
         step_seconds, self._is_classic = world.step, world.is_classic
         self.tree = _frozen(tree) if tree.is_static else tree
+        shapes = without_missing_meshes(self.tree)
         stiff = [joint for joint in self.tree.joints if is_stiff(joint, self.tree, step_seconds)]
         self._parts, self._owner, self._inner = inner_apart(
             *one_friction_a_link(
                 replace(
-                    without_missing_meshes(self.tree),
+                    with_rims(shapes) if self._is_classic else shapes,
                     joints=undamped(self.tree.joints, {joint.name for joint in stiff}),
                 )
             )

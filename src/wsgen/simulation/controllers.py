@@ -148,3 +148,15 @@ def bounds_of(joint: Joint) -> tuple[float, float]:
         math.inf if limit.velocity < 0 else limit.velocity,
         math.inf if limit.effort < 0 else limit.effort,
     )
+
+
+def effort_in_classic(joint: Joint, effort: float, speed: float) -> float:
+    """What Gazebo Classic applies of an effort (N m or N) at that speed (rad/s or m/s).
+
+    It takes that to the joint's limit, and drops one that makes a joint faster which is beyond its
+    limit of velocity. Source: gazebo, gazebo/physics/Joint.cc, `CheckAndTruncateForce`.
+    """
+    fastest, most = bounds_of(joint)
+    if abs(speed) > fastest and effort * speed > 0:
+        return 0.0
+    return min(most, max(-most, effort))

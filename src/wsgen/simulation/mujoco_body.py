@@ -232,9 +232,10 @@ class MujocoBody:
             triangles_of(geometry)  # now, when it can be refused
             self.static_meshes.append(StaticMesh(link, geometry, pose, how))
             return
-        if isinstance(geometry, Cylinder):
-            # A wheel that turns on the spot would turn about its outer edge: MuJoCo lets the two
-            # rims carry all. Of two halves the rims in the middle carry as much as the others.
+        if isinstance(geometry, Cylinder) and not self._world.is_classic:
+            # A wheel that turns on the spot would turn about its outer edge, as in Gazebo Classic:
+            # MuJoCo lets the two rims carry all. Of two halves the rims in the middle carry as
+            # much as the others.
             geometry = replace(geometry, length=geometry.length / 2)
             parts = [geometry.length / 2, -geometry.length / 2]
         for z in parts:

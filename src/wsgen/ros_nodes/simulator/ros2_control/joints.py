@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from wsgen.model.robot import JointType
 from wsgen.ros_nodes.simulator.ros2_control.hardware import EFFORT, POSITION, VELOCITY, Pid
-from wsgen.simulation.controllers import HELD, bounds_of
+from wsgen.simulation.controllers import HELD, bounds_of, effort_in_classic
 from wsgen.simulation.engine import Motor
 
 if TYPE_CHECKING:
@@ -283,6 +283,9 @@ class JointSystem:
         else:
             error = self._command(name, VELOCITY) - self._body.joint_velocities()[name]
             effort = self._pids[name, VELOCITY].command(error, seconds)
+        if self._settings.simulator == "classic":
+            speed = self._body.joint_velocities()[name]
+            return effort_in_classic(self._model[name], effort, speed)
         limit = self._model[name].limit
         if limit is not None and limit.effort > 0 and self._model[name].type is not JointType.BALL:
             effort = min(limit.effort, max(-limit.effort, effort))

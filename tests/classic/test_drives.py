@@ -1,0 +1,270 @@
+"""Where the real Gazebo Classic's motors drive robots, and those of wsgen.
+
+`recorded/drives.json` was recorded with Debian 11's Gazebo 11.1: x and y (m) and yaw (rad) of each
+robot on the ground plane at the beginning and at the end of each command of `PLAN`. The wheels get
+what `gazebo_ros_diff_drive` gives them a hundred times a second: `vel` and `fmax` of their joints.
+`with Gazebo's plugin` was driven by Gazebo's own `libDiffDrivePlugin.so`, which sets the speed of
+the wheels itself. `--regenerate` records it anew.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import math
+import re
+from contextlib import closing
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import pytest
+import xacro
+
+from classic.gazebo_classic import GazeboClassic, why_missing
+from classic.rovers import ROVERS
+from simulation.conftest import CLASSES
+from wsgen.model.behavior import Drive
+from wsgen.model.transform import Pose
+from wsgen.model.world import World
+from wsgen.simulation.controllers import UPDATE, DiffDriveController
+from wsgen.simulation.odometer import heading_of
+from wsgen.simulation.run import MODULES, missing_engines
+from wsgen.simulation.scene import SpawnedRobot
+from wsgen.urdf.diff_drive import NoDrive, find_diff_drive
+from wsgen.urdf.lumping import lump
+from wsgen.urdf.reader import read_urdf
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from wsgen.model.behavior import DiffDrive
+    from wsgen.model.robot import Robot
+
+RECORDED = Path(__file__).with_name("recorded") / "drives.json"
+GOLDEN = Path(__file__).parents[1] / "golden"
+TEMPLATES = ("diff_drive", "wanderer")
+RUNS = [
+    *((name, "bullet") for name in ("diff_drive", *ROVERS)),
+    *((name, "mujoco") for name in ("diff_drive", "two casters", "wide wheels", "light")),
+    *((name, "dart") for name in ("diff_drive", "wide wheels")),
+]
+pytestmark = [pytest.mark.oracle, pytest.mark.slow]
+LIVE = ("diff_drive", "wide wheels")  # asked in each run of the tests
+WORLD = (
+    "<sdf version='1.6'><world name='w'><include><uri>model://ground_plane</uri></include>"
+    "</world></sdf>"
+)
+CLASSIC = World(name="w", has_ground_plane=True, simulator="classic")
+# s, m/s, rad/s; the first second is for coming to rest.
+PLAN = ((1, 0, 0), (4, 0.5, 0), (1, 0, 0), (3, 0, 1.0), (1, 0, 0), (4, 0.3, 0.5), (1, 0, 0))
+OWN = "with Gazebo's plugin"
+SAME = 0.02
+# By how much at most others turn in another way, or go another way in a curve, and why.
+LEFT = {
+    # The weight is on the inner edges of cylinders in DART, on the outer ones in Gazebo Classic.
+    ("diff_drive", "dart"): 0.025,
+    ("smooth caster", ""): 0.04,
+    ("wide wheels", "dart"): 0.4,
+    # More than three points carry it: in Gazebo Classic the casters have more of the weight.
+    ("two casters", ""): 0.25,
+    # Skidding: ODE's friction is another one.
+    ("four wheels", ""): 0.6,
+    ("four wheels of little friction", ""): 0.12,
+    ("four wheels with a direction", ""): 0.13,
+    # Where wheels slip for a moment when the motion changes.
+    ("light", ""): 0.06,
+    ("wheels of little friction", ""): 0.05,
+    ("wheels of much friction", ""): 0.05,
+}
+AHEAD, TURN, CURVE = 1, 3, 5  # their places in the plan
+Places = list[list[float]]
+
+
+class Subject(NamedTuple):
+    """A robot with what drives it."""
+
+    urdf: str
+    robot: Robot
+    drive: DiffDrive
+    height: float  # m, at which it is spawned
+
+
+def subject(name: str, folder: Path) -> Subject:
+    if name in ROVERS:
+        rover = ROVERS[name]
+        return Subject(rover.urdf, _lumped(rover.urdf), rover.drive, rover.height)
+    source = GOLDEN / f"{name}-iron-classic/ws_gazebo/src/gazebo_test/model"
+    for file in source.iterdir():
+        text = file.read_text(encoding="utf-8").replace("$(find gazebo_test)/model", str(folder))
+        (folder / file.name).write_text(text, encoding="utf-8")
+    text = xacro.process_file(str(folder / "robot.xacro")).toxml()
+    robot = _lumped(text)
+    drive = find_diff_drive(robot)
+    assert not isinstance(drive, NoDrive)
+    return Subject(text, robot, drive, 0.002)
+
+
+def _lumped(text: str) -> Robot:
+    file = Path("r.urdf")
+    robot, _ = read_urdf(text, file=file)
+    assert robot is not None
+    return lump(robot, file=file)[0]
+
+
+def driven(
+    one: Subject, drive: Callable[[DiffDriveController], None], place: Callable[[], list[float]]
+) -> Places:
+    """Where a robot is at the ends of the commands; `drive` lets time pass to the next update."""
+    controller = DiffDriveController(one.drive, Drive(), one.robot)
+    controller.has_begun = True
+    places = []
+    for seconds, linear, angular in PLAN:
+        controller.task = Drive(linear=linear, angular=angular)
+        for _ in range(round(seconds / UPDATE)):
+            drive(controller)
+        places.append(place())
+    return places
+
+
+def ask(name: str, folder: Path) -> Places:
+    """Where Gazebo Classic's motors drive it."""
+    one = subject(name, folder)
+    world, file = folder / "w.world", folder / "r.urdf"
+    world.write_text(WORLD)
+    # Sensors are no matter here, and take time.
+    file.write_text(re.sub(r"<sensor.*?</sensor>", "", one.urdf, flags=re.DOTALL))
+    with GazeboClassic(world) as gazebo:
+        gazebo.spawn(file, "r", z=one.height)
+        sent: dict[str, object] = {}
+
+        def drive(controller: DiffDriveController) -> None:
+            for joint, motor in controller.motors({}).items():
+                if sent.get(joint) != motor:
+                    sent[joint] = motor
+                    gazebo.ask("param", "r", joint, "fmax", motor.effort)
+                    gazebo.ask("param", "r", joint, "vel", motor.speed)
+            gazebo.run(UPDATE)
+
+        def place() -> list[float]:
+            pose = gazebo.state()["r"]["links"][f"r::{one.robot.root}"]["pose"]
+            return _rounded(pose[0], pose[1], _yaw(pose))
+
+        return driven(one, drive, place)
+
+
+def _yaw(pose: list[float]) -> float:
+    w, x, y, z = pose[3:]
+    return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+
+
+def _rounded(*numbers: float) -> list[float]:
+    return [round(number, 4) for number in numbers]
+
+
+def simulated(engine_name: str, one: Subject) -> Places:
+    """Where an engine of wsgen drives it."""
+    module = importlib.import_module(f"wsgen.simulation.{engine_name}")
+    with closing(getattr(module, CLASSES[engine_name])(CLASSIC)) as engine:
+        engine.spawn(
+            SpawnedRobot(
+                entity="r",
+                robot=one.robot,
+                pose_in_world=Pose((0.0, 0.0, one.height)),
+                drive=one.drive,
+            )
+        )
+        steps = round(UPDATE / engine.step_seconds)
+
+        def drive(controller: DiffDriveController) -> None:
+            engine.drive("r", controller.motors({}))
+            engine.advance(steps)
+
+        def place() -> list[float]:
+            state = engine.state("r")
+            return _rounded(state.xyz[0], state.xyz[1], heading_of(state))
+
+        return driven(one, drive, place)
+
+
+def ask_own(folder: Path) -> Places:
+    """Where Gazebo's own plugin drives the template."""
+    one = subject("diff_drive", folder)
+    world, file = folder / "w.world", folder / "r.urdf"
+    world.write_text(WORLD)
+    (pair,) = one.drive.pairs
+    own = (
+        "<gazebo><plugin name='own' filename='libDiffDrivePlugin.so'>"
+        f"<left_joint>{pair.left}</left_joint><right_joint>{pair.right}</right_joint></plugin>"
+        "</gazebo></robot>"
+    )
+    # The driver loads no plugins of models with sensors.
+    text = re.sub(r"<sensor.*?</sensor>", "", one.urdf, flags=re.DOTALL)
+    file.write_text(text.replace("</robot>", own))
+    places = []
+    with GazeboClassic(world) as gazebo:
+        gazebo.spawn(file, "r", z=one.height)
+        for seconds, linear, angular in PLAN:
+            turn = f"x: 0 y: 0 z: {math.sin(angular / 2)} w: {math.cos(angular / 2)}"
+            pose = f"position {{x: {linear} y: 0 z: 0}} orientation {{{turn}}}"
+            gazebo.ask("publish", "~/r/vel_cmd", "gazebo.msgs.Pose", pose)
+            gazebo.run(seconds)
+            there = gazebo.state()["r"]["links"][f"r::{one.robot.root}"]["pose"]
+            places.append(_rounded(there[0], there[1], _yaw(there)))
+    return places
+
+
+def way(places: Places, command: int) -> tuple[float, float]:
+    """How far it has gone in a command (m), and how far it has turned (rad)."""
+    (x, y, yaw), (to_x, to_y, to_yaw) = places[command - 1], places[command]
+    # No command turns it by more than half a turn, but skidding may.
+    return math.hypot(to_x - x, to_y - y), math.remainder(to_yaw - yaw, math.tau)
+
+
+@pytest.fixture(scope="module")
+def recorded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Any:
+    if request.config.getoption("--regenerate") and not why_missing():
+        folder = tmp_path_factory.mktemp("drives")
+        places = {name: ask(name, folder) for name in (*TEMPLATES, *ROVERS)}
+        places[OWN] = ask_own(folder)
+        lines = (f"{json.dumps(name)}: {json.dumps(found)}" for name, found in places.items())
+        RECORDED.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
+    return json.loads(RECORDED.read_text(encoding="utf-8"))
+
+
+@pytest.mark.skipif(why_missing() != "", reason=why_missing())
+@pytest.mark.parametrize("name", LIVE)
+def test_the_record_is_what_gazebo_classic_does(name: str, recorded: Any, tmp_path: Path) -> None:
+    places = ask(name, tmp_path)
+    for command in (AHEAD, TURN, CURVE):
+        now = way(places, command)
+        assert now == pytest.approx(way(recorded[name], command), rel=0.005, abs=0.01)
+
+
+def test_the_templates_drive_alike(recorded: Any) -> None:
+    assert recorded["diff_drive"] == recorded["wanderer"]
+
+
+@pytest.mark.parametrize(("name", "engine_name"), RUNS)
+def test_robots_go_where_they_go_in_gazebo_classic(
+    name: str, engine_name: str, recorded: Any, tmp_path: Path
+) -> None:
+    if missing_engines([engine_name]):
+        pytest.skip(f"{MODULES[engine_name]} is not installed")
+    ours, real = simulated(engine_name, subject(name, tmp_path)), recorded[name]
+    ahead, turn, curve = (shares(way(ours, one), way(real, one)) for one in (AHEAD, TURN, CURVE))
+    bound = LEFT.get((name, ""), LEFT.get((name, engine_name), SAME))
+    assert ahead[0] < SAME
+    assert max(curve[0], turn[1], curve[1]) < bound
+
+
+def shares(ours: tuple[float, float], real: tuple[float, float]) -> tuple[float, float]:
+    """By which shares of the real ones a way and a turn differ."""
+    first, second = (abs(one / other - 1) for one, other in zip(ours, real, strict=True))
+    return first, second
+
+
+def test_gazebos_own_plugin_drives_as_far(recorded: Any) -> None:
+    """It sets the speed of the wheels, without a motor, and turns to the other side."""
+    own, motors = recorded[OWN], recorded["diff_drive"]
+    assert way(own, AHEAD)[0] == pytest.approx(way(motors, AHEAD)[0], rel=0.02)
+    assert -way(own, TURN)[1] == pytest.approx(way(motors, TURN)[1], rel=0.02)
