@@ -54,13 +54,14 @@ class Rover(NamedTuple):
     def urdf(self) -> str:
         size, radius = self.size, 0.2 * self.size
         x, y, z = 2 * size, size, 0.3 * size
-        moments = (self.mass / 12 * (a * a + b * b) for a, b in ((y, z), (x, z), (x, y)))
+        xx, yy, zz = (self.mass / 12 * (a * a + b * b) for a, b in ((y, z), (x, z), (x, y)))
         middle = -0.25 * size if self.casters == (-0.8,) else 0.0
-        base = _inertial(self.mass, moments, f"xyz='{middle} 0 0'")
+        base = _inertial(self.mass, (xx, yy, zz), f"xyz='{middle} 0 0'")
         parts = [_link("base", base, f"<box size='{x} {y} {z}'/>")]
         for number, at in enumerate(self.casters):
             mass = self.mass / 50
-            solid = _inertial(mass, (0.4 * mass * radius**2,) * 3)
+            moment = 0.4 * mass * radius**2
+            solid = _inertial(mass, (moment, moment, moment))
             parts.append(_link(f"ball{number}", solid, f"<sphere radius='{radius}'/>"))
             parts.append(_joint(f"ball{number}", "fixed", (at * size, 0.0, -0.3 * size)))
             parts.append(_surface(f"ball{number}", self.slip))
@@ -79,8 +80,8 @@ class Rover(NamedTuple):
         return f"<robot name='rover'>{''.join(parts)}</robot>"
 
 
-def _inertial(mass: float, moments: object, origin: str = "xyz='0 0 0'") -> str:
-    xx, yy, zz = moments  # type: ignore[misc]
+def _inertial(mass: float, moments: tuple[float, float, float], origin: str = "xyz='0 0 0'") -> str:
+    xx, yy, zz = moments
     return (
         f"<inertial><origin {origin}/><mass value='{mass}'/><inertia ixx='{xx}' iyy='{yy}' "
         f"izz='{zz}' ixy='0' ixz='0' iyz='0'/></inertial>"

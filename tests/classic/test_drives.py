@@ -45,7 +45,7 @@ GOLDEN = Path(__file__).parents[1] / "golden"
 TEMPLATES = ("diff_drive", "wanderer")
 RUNS = [
     *((name, "bullet") for name in ("diff_drive", *ROVERS)),
-    *((name, "mujoco") for name in ("diff_drive", "two casters", "wide wheels", "light")),
+    *((name, "mujoco") for name in ("diff_drive", "two casters", "wide wheels")),
     *((name, "dart") for name in ("diff_drive", "wide wheels")),
 ]
 pytestmark = [pytest.mark.oracle, pytest.mark.slow]
