@@ -43,9 +43,11 @@ if TYPE_CHECKING:
 RECORDED = Path(__file__).with_name("recorded") / "drives.json"
 GOLDEN = Path(__file__).parents[1] / "golden"
 TEMPLATES = ("diff_drive", "wanderer")
+DIRECTED = "four wheels with a direction"  # which MuJoCo alone has of friction
+# A few in MuJoCo, and in DART, which is not Gazebo Classic's.
 RUNS = [
-    *((name, "bullet") for name in ("diff_drive", *ROVERS)),
-    *((name, "mujoco") for name in ("diff_drive", "two casters", "wide wheels")),
+    *((name, "bullet") for name in ("diff_drive", *ROVERS) if name != DIRECTED),
+    *((name, "mujoco") for name in ("diff_drive", "two casters", "wide wheels", DIRECTED)),
     *((name, "dart") for name in ("diff_drive", "wide wheels")),
 ]
 pytestmark = [pytest.mark.oracle, pytest.mark.slow]
@@ -65,12 +67,11 @@ LEFT = {
     ("diff_drive", "dart"): 0.025,
     ("smooth caster", ""): 0.04,
     ("wide wheels", "dart"): 0.4,
-    # More than three points carry it: in Gazebo Classic the casters have more of the weight.
+    # More than three points carry it, and it turns less far in Gazebo Classic: we do not know why.
     ("two casters", ""): 0.25,
     # Skidding: ODE's friction is another one.
     ("four wheels", ""): 0.6,
     ("four wheels of little friction", ""): 0.12,
-    ("four wheels with a direction", ""): 0.13,
     # Where wheels slip for a moment when the motion changes.
     ("light", ""): 0.06,
     ("wheels of little friction", ""): 0.05,
