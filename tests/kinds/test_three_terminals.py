@@ -37,3 +37,22 @@ def test_two_descriptions_or_none(tmp_path: Path) -> None:
         assert errors == ["SPN008"]
         publisher.unlink(missing_ok=True)
         (launch / "heavy.launch.py").unlink(missing_ok=True)
+
+
+def test_the_publisher_cannot_be_evaluated(tmp_path: Path) -> None:
+    workspace = copy_workspace("three_terminals", tmp_path)
+    publisher = workspace.root / "src" / "crate_bot" / "launch" / "rsp.launch.py"
+    text = publisher.read_text()
+    publisher.write_text(
+        text.replace("def generate", "open('/nowhere/crate.urdf')\n\n\ndef generate")
+    )
+    answer = workspace.wsgen("validate", "--format", "json")
+    assert answer.code == 1
+    (told,) = [
+        one
+        for row in answer.document["packages"]
+        for one in row["diagnostics"]
+        if one["code"] == "SPN008"
+    ]
+    assert "rsp.launch.py, which may publish it, cannot be evaluated." in told["message"]
+    assert told["hint"] == "Correct the errors of rsp.launch.py first."

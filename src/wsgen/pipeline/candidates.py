@@ -14,7 +14,11 @@ from wsgen.isolation import parent
 from wsgen.launch.commands import nested_launch, programs
 from wsgen.launch.spawning import names_spawner
 from wsgen.pipeline.parallel import run_parallel
-from wsgen.pipeline.started import waits_for_description, with_description
+from wsgen.pipeline.started import (
+    waits_for_description,
+    with_description,
+    with_publisher_that_fails,
+)
 from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
@@ -138,6 +142,9 @@ def with_descriptions(found: Sequence[Candidate], overlay: Overlay) -> Iterator[
         for plans in (beside, [other.started.plan for other in found]):
             if waits_for_description(started):
                 started = with_description(started, plans, overlay)
+        failed = [plan for plan in beside if has_errors(plan.diagnostics) and plan.launch_file]
+        if failed and waits_for_description(started):
+            started = with_publisher_that_fails(started, failed[0])
         yield one._replace(started=started)
 
 

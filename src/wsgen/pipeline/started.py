@@ -152,6 +152,22 @@ def waits_for_description(started: Started) -> bool:
     )
 
 
+def with_publisher_that_fails(started: Started, plan: LaunchPlan) -> Started:
+    """Say that a launch file which cannot be evaluated may publish what a spawner waits for."""
+    name = plan.launch_file.name
+    diagnostics = tuple(
+        replace(
+            found,
+            message=f"{found.message} {name}, which may publish it, cannot be evaluated.",
+            hint=f"Correct the errors of {name} first.",
+        )
+        if found.code == UNPUBLISHED_DESCRIPTION.code
+        else found
+        for found in started.diagnostics
+    )
+    return started._replace(diagnostics=diagnostics)
+
+
 def with_description(started: Started, others: Iterable[LaunchPlan], overlay: Overlay) -> Started:
     """Spawn what other launch files publish on the topic that a spawner waits for.
 
