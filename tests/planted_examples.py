@@ -303,6 +303,7 @@ ROBOTS |= {
         files={"meshes/arm.glb": "GLB", "meshes/arm.dae": "DAE"},
     ),
     "ROB070": robot(IN_REVOLUTE),
+    "ROB152": robot(IN_REVOLUTE),
     "ROB077": robot(IN_JOINT),
     "ROB078": robot(ARM + link("hand") + joint("arm") + joint("hand") + "@"),
     "ROB079": robot(

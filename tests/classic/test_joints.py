@@ -21,6 +21,7 @@ from classic.gazebo_classic import GazeboClassic, why_missing
 from classic.joint_cases import CASES
 from simulation.conftest import CLASSES
 from simulation.robots import VOID, spawned
+from wsgen.rules.damping import unstable_damping
 from wsgen.simulation.run import MODULES, missing_engines
 from wsgen.urdf.lumping import lump
 from wsgen.urdf.reader import read_urdf
@@ -133,3 +134,13 @@ def test_joints_move_as_in_gazebo_classic(name: str, engine: str, recorded: Any)
 
 def test_each_difference_is_of_a_case() -> None:
     assert {name for name, _ in DIFFERENT} <= CASES.keys()
+
+
+@pytest.mark.parametrize("name", [name for name in CASES if "damping" in name])
+def test_a_damper_that_is_too_strong_is_reported(name: str) -> None:
+    robot, _ = read_urdf(CASES[name], file=None)
+    assert robot is not None
+    lumped, _ = lump(robot)
+    assert lumped is not None
+    found = list(unstable_damping(lumped, None, "classic"))
+    assert bool(found) == (name == "too strong damping")

@@ -99,6 +99,7 @@ MODULES = (
     "wsgen.rules.simulators",
     "wsgen.rules.systems",
     "wsgen.rules.worlds",
+    "wsgen.rules.damping",
     "wsgen.rules.suppressions",
     "wsgen.sdf.assembly",
     "wsgen.sdf.bodies",

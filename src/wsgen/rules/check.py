@@ -14,6 +14,7 @@ from wsgen.rules import (
     robots,
     ros2_control,
 )
+from wsgen.rules.damping import unstable_damping
 from wsgen.urdf.lumping import joints_that_say
 
 if TYPE_CHECKING:
@@ -96,4 +97,5 @@ def check_robot(
             written.links, written.gazebo, file, simulator=simulator, distro=distro
         ),
         *(() if in_gazebo is None else lumped.check_lumped(written, in_gazebo, file)),
+        *(() if in_gazebo is None else unstable_damping(in_gazebo, file, simulator)),
     )
