@@ -42,6 +42,24 @@ def test_this_machine(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.usefixtures("loaded_once")
+@pytest.mark.parametrize("place", [".", "src/my_robot"])
+def test_the_target_of_the_packages_here(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    place: str,
+) -> None:
+    folder = tmp_path / place
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "wsgen.toml").write_text('[target]\ndistro = "jazzy"\n')
+    monkeypatch.chdir(tmp_path)
+    assert run(["doctor"]) == 0
+    assert capsys.readouterr().out.startswith("ROS 2 Jazzy ")
+    assert run(["doctor", "--distro", "humble"]) == 0
+    assert capsys.readouterr().out.startswith("ROS 2 Humble ")
+
+
+@pytest.mark.usefixtures("loaded_once")
 @pytest.mark.parametrize(
     ("takes_apt", "title", "command"),
     [

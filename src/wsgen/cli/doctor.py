@@ -45,7 +45,8 @@ def command(
 ) -> int:
     """Show what this machine has and lacks for a target, and the commands that fix it.
 
-    The requirements of wsgen and those of ROS are listed separately.
+    The requirements of wsgen and those of ROS are listed separately. Without --distro and
+    $ROS_DISTRO, the target is that of the packages here.
     """
     import os
     import time
@@ -53,6 +54,8 @@ def command(
     from wsgen.doctor.machine import here
     from wsgen.doctor.report import check_machine
 
+    if ctx.get_parameter_source("distro") is click.core.ParameterSource.DEFAULT:
+        distro = _recorded() or distro
     target = chosen_target(ctx, distro, sim)
     report = check_machine(here(os.environ), target, today=time.strftime("%Y-%m-%d"))
     if output_format == "json":
@@ -63,6 +66,18 @@ def command(
         for line in _render(report, quiet=quiet):
             echo(line)
     return EXIT_PASSED if report.passed else EXIT_FAILED
+
+
+def _recorded() -> str | None:
+    """The distribution that wsgen wrote the packages here for, if it is one."""
+    from pathlib import Path
+
+    from wsgen.model.facts import DISTROS
+    from wsgen.workspace.settings import FILE, read_settings
+
+    files = (*Path().glob(FILE), *Path().glob(f"src/*/{FILE}"))
+    found = {read_settings(file.parent)[0].distro for file in files}
+    return next(iter(found)) if len(found) == 1 and found <= {*DISTROS} else None
 
 
 def _render(report: DoctorReport, *, quiet: bool) -> Iterator[str]:
