@@ -303,7 +303,9 @@ ROBOTS |= {
         files={"meshes/arm.glb": "GLB", "meshes/arm.dae": "DAE"},
     ),
     "ROB070": robot(IN_REVOLUTE),
-    "ROB152": robot(IN_REVOLUTE),
+    "ROB152": robot(
+        ARM + joint("arm", '<axis xyz="0 1 0"/>', "@", kind="continuous"),
+    ),
     "ROB077": robot(IN_JOINT),
     "ROB078": robot(ARM + link("hand") + joint("arm") + joint("hand") + "@"),
     "ROB079": robot(

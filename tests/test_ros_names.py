@@ -1,6 +1,6 @@
 """The names that ROS 2 knows."""
 
-from wsgen.ros_names import released_packages, rosdep_keys
+from wsgen.ros_names import is_released, released_packages, rosdep_keys
 
 
 def test_packages_have_the_distributions_that_they_are_released_for() -> None:
@@ -15,3 +15,11 @@ def test_packages_have_the_distributions_that_they_are_released_for() -> None:
 def test_keys_of_rosdep_are_no_packages() -> None:
     assert {"eigen", "libopencv-dev", "python3-numpy"} <= rosdep_keys()
     assert "rclcpp" not in rosdep_keys()
+
+
+def test_one_name() -> None:
+    for name in ("std_msgs", "ament_cmake", "zstd_vendor"):
+        assert is_released(name) == (name in released_packages())
+    assert is_released("std_msgs")
+    for name in ("my_robot", "libboost-dev", "jazzy", "Names"):
+        assert not is_released(name)

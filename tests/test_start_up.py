@@ -79,6 +79,7 @@ def test_new_loads_what_it_renders_with(tmp_path: Path) -> None:
         "pipeline",  # `create` alone
         "suggestions",
         "printable",
+        "ros_names",  # whether ROS has the name
         "values",
         "templating",
         "tomlfile",

@@ -72,10 +72,12 @@ def _recorded() -> str | None:
     """The distribution that wsgen wrote the packages here for, if it is one."""
     from pathlib import Path
 
+    files = (*Path().glob("wsgen.toml"), *Path().glob("src/*/wsgen.toml"))
+    if not files:
+        return None
     from wsgen.model.facts import DISTROS
-    from wsgen.workspace.settings import FILE, read_settings
+    from wsgen.workspace.settings import read_settings
 
-    files = (*Path().glob(FILE), *Path().glob(f"src/*/{FILE}"))
     found = {read_settings(file.parent)[0].distro for file in files}
     return next(iter(found)) if len(found) == 1 and found <= {*DISTROS} else None
 

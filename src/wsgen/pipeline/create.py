@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.errors import RequestError, WouldOverwriteError
 from wsgen.model.target import end_of_life_note
-from wsgen.ros_names import released_packages
+from wsgen.ros_names import is_released
 from wsgen.templating.render import render_package
 from wsgen.templating.spec import make_maintainer, make_spec
 from wsgen.templating.template import load_template
@@ -117,7 +117,7 @@ def create(  # noqa: PLR0913  the words of the request, all by keyword
         kept_file=kept,
         end_of_life=end_of_life_note(target, time.strftime("%Y-%m-%d")),
         repository=_repository_around(workspace.root) if workflow else None,
-        is_of_ros=spec.name in released_packages(),
+        is_of_ros=is_released(spec.name),
     )
 
 
