@@ -328,3 +328,30 @@ def test_a_thousand_boxes_do_not_take_long(new_engine: NewEngine) -> None:
     robot_run = run_of(new_engine, robot, on_the_ground=True, seconds=1.0)
     assert time.process_time() - started < 6  # 13 s and more where the ground touches all
     assert robot_run.rest_pose.xyz[2] == pytest.approx(0.05, abs=1e-4)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_parts_of_one_robot_with_frictions_of_their_own(new_engine: NewEngine, count: int) -> None:
+    """Two loose plates on a slope of 60 degrees: with a friction of 1 one slides, with 3 it stands.
+
+    The slope has more than both, as Gazebo Classic's ground plane.
+    """
+    off = joint("base", "other", JointType.FIXED, Pose((0.0, 2.0, 0.0)))
+    plates = tree(body(PLATE), (off, body(PLATE, name="other", mu=3.0)))
+    world = replace(slope(60.0), ground_friction=100.0)
+    robots = [
+        SpawnedRobot(
+            entity=f"{number}",
+            robot=replace(plates, joints=(), loose=(off,)),
+            pose_in_world=Pose((0.0, 5.0 * number, 0.05)),
+        )
+        for number in range(1, count)
+    ]
+    robot = replace(plates, joints=(), loose=(off,))
+    with spawned(new_engine, robot, Pose((0.0, 0.0, 0.05)), *robots, world=world) as engine:
+        engine.advance(1000)
+        for entity in ("e", *(one.entity for one in robots)):
+            poses = engine.link_poses(entity)
+            way = (math.sin(math.radians(60)) - math.cos(math.radians(60))) * G / 2
+            assert poses["base"].xyz[0] == pytest.approx(way, rel=0.01)
+            assert poses["other"].xyz[0] == pytest.approx(0.0, abs=0.01)

@@ -179,22 +179,23 @@ class BulletEngine:
             self._ground_of(min(1.0, world.ground_friction))
             self._plumb = self._add_plumb()
 
-    def _put_on_ground(self, body: BulletBody) -> None:
-        if self._ground_friction is not None:
-            for friction in body.frictions_below(self._ground_friction):
+    def _put_on_ground(self, entity: str) -> None:
+        """Have the grounds that a robot needs; a new one concerns all that are there."""
+        if self._ground_friction is None:
+            return
+        count = len(self._grounds)
+        for body, _ in self._bodies[entity]:
+            for friction in body.grounds_below(self._ground_friction).values():
                 self._ground_of(friction)
-            body.stand_on(self._grounds)
+        entities = [entity] if len(self._grounds) == count else list(self._bodies)
+        for body in (body for one in entities for body, _ in self._bodies[one]):
+            body.stand_on(self._grounds, self._ground_friction)
 
     def _ground_of(self, friction: float) -> None:
-        """Have a ground of this friction, which touches only what is put on it."""
-        if friction in self._grounds:
-            return
-        ground = load(self.client, GROUND, Pose(xyz=(0.0, 0.0, -GROUND_SIZE[2] / 2)))
-        self.client.changeDynamics(ground, ROOT, lateralFriction=friction)
-        self._grounds[friction] = ground
-        for bodies in self._bodies.values():
-            for body, _ in bodies:
-                body.stand_on(self._grounds)
+        if friction not in self._grounds:
+            ground = load(self.client, GROUND, Pose(xyz=(0.0, 0.0, -GROUND_SIZE[2] / 2)))
+            self.client.changeDynamics(ground, ROOT, lateralFriction=friction)
+            self._grounds[friction] = ground
 
     def _add_plumb(self) -> int:
         plumb = load(self.client, GROUND, Pose(xyz=(0.0, 0.0, PLUMB - GROUND_SIZE[2] / 2)))
@@ -218,7 +219,6 @@ class BulletEngine:
                 pose = compose(robot.pose_in_world, pose_in_robot)
                 body = BulletBody(self.client, tree, pose, world=self._world)
                 bodies.append((body, pose_in_robot))
-                self._put_on_ground(body)
                 unread = body.unread_mesh()
                 if unread is not None:
                     raise error(f"it cannot read the mesh {unread}")  # noqa: TRY301  one way out
@@ -230,6 +230,7 @@ class BulletEngine:
             self._push_back_to_limits()
         self._robots[robot.entity] = model
         self._bodies[robot.entity] = bodies
+        self._put_on_ground(robot.entity)
         self._separating = True
         if model.is_static and any(_has_mesh(link) for link in model.links):
             self._triangles |= {body.number for body, _ in bodies}

@@ -412,17 +412,17 @@ class BulletBody:
         """A mesh file that PyBullet left out without an error."""
         return unread_mesh(self._client, self.number, self._parts, self._index_of)
 
-    def frictions_below(self, ground: float) -> set[float]:
-        """The frictions that grounds need for its parts to feel one with this friction."""
-        self._below = {}
+    def grounds_below(self, friction: float) -> dict[str, float]:
+        """The friction of the ground for each part to feel one of this friction, by its name."""
+        below = {}
         for part in self._parts.links:
             mu = min((shape.surface.mu1 for shape in part.collisions), default=OWN_FRICTION)
             own = min(OWN_FRICTION, mu)
-            self._below[part.name] = min(mu, ground) / own if own > 0.0 else min(1.0, ground)
-        return set(self._below.values())
+            below[part.name] = min(mu, friction) / own if own > 0.0 else min(1.0, friction)
+        return below
 
-    def stand_on(self, grounds: Mapping[float, int]) -> None:
-        """Let each part touch the ground of its friction alone.
+    def stand_on(self, grounds: Mapping[float, int], friction: float) -> None:
+        """Let each part touch one of the grounds alone, so that it feels one of this friction.
 
         Gazebo takes the smaller friction of two that touch each other, PyBullet the product. Two
         links get along with products of at most 1; the ground makes up for what a link lacks.
@@ -430,9 +430,10 @@ class BulletBody:
         """
         if len(grounds) == 1 and not self._inner:
             return
+        below = self.grounds_below(friction)
         for name, index in self._index_of.items():
-            for friction, ground in grounds.items():
-                touches = name not in self._inner and self._below[name] == friction
+            for own, ground in grounds.items():
+                touches = name not in self._inner and below[name] == own
                 self._client.setCollisionFilterPair(ground, self.number, ROOT, index, int(touches))
 
     def soften_contacts(self, share: float) -> None:
