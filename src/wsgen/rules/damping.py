@@ -9,6 +9,8 @@ from wsgen.model.inertia import about_link_axes, matrix_of
 from wsgen.model.kinematics import link_poses
 from wsgen.model.robot import JointType
 from wsgen.model.transform import IDENTITY, multiply, rotate, rotation_of_rpy, transpose
+from wsgen.model.world import World
+from wsgen.urdf.gazebo import TRUTHS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -33,9 +35,8 @@ UNSTABLE_DAMPING = Rule(
     example='<dynamics damping="100"/>',
     instead='<dynamics damping="0.1"/>',
 )
-STEP = 0.001  # s; Gazebo's default
+STEP = World(name="").step  # s
 MOST = 2.0  # of the speed, that a step may take
-IMPLICIT = frozenset(("true", "1"))
 
 
 def unstable_damping(
@@ -50,7 +51,7 @@ def unstable_damping(
     implicit = {
         tag.reference
         for tag in robot.gazebo
-        if tag.values.get("implicitSpringDamper", "").lower() in IMPLICIT
+        if tag.values.get("implicitSpringDamper", "").lower() in TRUTHS
     }
     damped = [
         joint

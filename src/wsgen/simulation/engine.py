@@ -22,10 +22,6 @@ if TYPE_CHECKING:
     Points = Sequence[Sequence[float]] | NDArray[np.float64]
 
 
-# What has more does not slip any less: on a slope of 84 degrees it stands.
-MOST_FRICTION = 10.0
-
-
 @dataclass(frozen=True)
 class Loaded:
     """What the engine made of a robot."""

@@ -25,7 +25,7 @@ from wsgen.model.kinematics import split_trees
 from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere
 from wsgen.model.transform import Pose, compose, quaternion_of_rpy, rotation_of_rpy, rpy_of_rotation
 from wsgen.simulation.contact_shapes import box_around, inner_collisions
-from wsgen.simulation.engine import MOST_FRICTION, limit_share, may_touch
+from wsgen.simulation.engine import limit_share, may_touch
 from wsgen.simulation.stiffness import STRONGEST, stiffness_to_simulate
 from wsgen.simulation.surfaces import there, triangles_of
 
@@ -55,6 +55,7 @@ mujoco.set_mju_user_warning(_warn)
 RIGIDITY = 0.99
 JOINT_RIGIDITY = 0.9999
 OVERLAP_SHARE = 0.02  # of an overlap, in one step; with more, what falls hops
+MOST_FRICTION = 10.0  # what has more stands on a slope of 84 degrees
 FRICTION_STEPS = 10**6  # between a friction of 0 and of 1
 
 ENDLESS = 1e9  # rad or m; a limit beyond it is none

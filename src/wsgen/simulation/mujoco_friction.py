@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wsgen.model.transform import rotation_of_rpy
-from wsgen.simulation.engine import MOST_FRICTION
-from wsgen.simulation.mujoco_body import library
+from wsgen.simulation.mujoco_body import MOST_FRICTION, library
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
