@@ -16,8 +16,9 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
+    import pytest
     from typing_extensions import Self
 
 ROOT = Path(os.environ.get("WSGEN_TEST_GAZEBO_CLASSIC", "/nowhere"))
@@ -128,6 +129,22 @@ class GazeboClassic:
         """What the server has said so far."""
         self._log.seek(0)
         return self._log.read().decode(errors="replace")
+
+
+def recorded_in(
+    file: Path, request: pytest.FixtureRequest, names: Iterable[str], ask: Callable[[str], Any]
+) -> Any:
+    """The answers of Gazebo Classic that a file has, by name; None is no answer.
+
+    They are asked for anew with `--regenerate`, where it can be asked.
+    """
+    if request.config.getoption("--regenerate") and not why_missing():
+        answers = ((name, ask(name)) for name in names)
+        lines = [
+            f"{json.dumps(name)}: {json.dumps(one)}" for name, one in answers if one is not None
+        ]
+        file.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
+    return json.loads(file.read_text(encoding="utf-8"))
 
 
 def inside(path: Path) -> str:

@@ -6,14 +6,13 @@ their masses in kg, and its joints; or that Gazebo refuses it. `--regenerate` re
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 import xacro
 
-from classic.gazebo_classic import EndedError, GazeboClassic, why_missing
+from classic.gazebo_classic import EndedError, GazeboClassic, recorded_in, why_missing
 from public_robots import ROBOTS, find_robot
 from wsgen.diagnostics import Severity
 from wsgen.pipeline.prepare import for_simulator
@@ -85,11 +84,10 @@ def ask(name: str, folder: Path) -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def recorded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Any:
-    if request.config.getoption("--regenerate") and not why_missing():
-        folder = tmp_path_factory.mktemp("robots")
-        lines = (f"{json.dumps(name)}: {json.dumps(ask(name, folder))}" for *_, name in ROBOTS)
-        RECORDED.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
-    return json.loads(RECORDED.read_text(encoding="utf-8"))
+    folder = tmp_path_factory.mktemp("robots")
+    return recorded_in(
+        RECORDED, request, [name for *_, name in ROBOTS], lambda name: ask(name, folder)
+    )
 
 
 @pytest.mark.skipif(why_missing() != "", reason=why_missing())

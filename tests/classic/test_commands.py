@@ -9,14 +9,13 @@ anew.
 from __future__ import annotations
 
 import importlib
-import json
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pytest
 
-from classic.gazebo_classic import GazeboClassic, why_missing
+from classic.gazebo_classic import GazeboClassic, recorded_in, why_missing
 from classic.joint_cases import bar, dynamics, lift, limit
 from simulation.conftest import CLASSES
 from simulation.robots import VOID, spawned
@@ -93,11 +92,8 @@ def ask(name: str, folder: Path) -> list[float]:
 
 @pytest.fixture(scope="module")
 def recorded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Any:
-    if request.config.getoption("--regenerate") and not why_missing():
-        folder = tmp_path_factory.mktemp("commands")
-        lines = (f"{json.dumps(name)}: {json.dumps(ask(name, folder))}" for name in COMMANDS)
-        RECORDED.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
-    return json.loads(RECORDED.read_text(encoding="utf-8"))
+    folder = tmp_path_factory.mktemp("commands")
+    return recorded_in(RECORDED, request, COMMANDS, lambda name: ask(name, folder))
 
 
 @pytest.mark.skipif(why_missing() != "", reason=why_missing())

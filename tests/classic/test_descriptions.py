@@ -6,13 +6,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from classic.gazebo_classic import HOST, EndedError, GazeboClassic, why_missing
+from classic.gazebo_classic import HOST, EndedError, GazeboClassic, recorded_in, why_missing
 from mesh_samples import binary_stl
 from urdf_texts import robot
 from wsgen.isolation import parent
@@ -131,13 +130,8 @@ def ask(case: str, folder: Path) -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def recorded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Any:
-    if request.config.getoption("--regenerate") and not why_missing():
-        folder = tmp_path_factory.mktemp("descriptions")
-        lines = (
-            f"{json.dumps(case)}: {json.dumps(ask(case, folder), sort_keys=True)}" for case in CASES
-        )
-        RECORDED.write_text("{\n" + ",\n".join(lines) + "\n}\n")
-    return json.loads(RECORDED.read_text())
+    folder = tmp_path_factory.mktemp("descriptions")
+    return recorded_in(RECORDED, request, CASES, lambda name: ask(name, folder))
 
 
 @pytest.mark.oracle

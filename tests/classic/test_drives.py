@@ -10,7 +10,6 @@ the wheels itself. `--regenerate` records it anew.
 from __future__ import annotations
 
 import importlib
-import json
 import math
 import re
 from contextlib import closing
@@ -20,7 +19,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import pytest
 import xacro
 
-from classic.gazebo_classic import GazeboClassic, why_missing
+from classic.gazebo_classic import GazeboClassic, recorded_in, why_missing
 from classic.rovers import ROVERS
 from simulation.conftest import CLASSES
 from wsgen.model.behavior import Drive
@@ -223,13 +222,13 @@ def way(places: Places, command: int) -> tuple[float, float]:
 
 @pytest.fixture(scope="module")
 def recorded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Any:
-    if request.config.getoption("--regenerate") and not why_missing():
-        folder = tmp_path_factory.mktemp("drives")
-        places = {name: ask(name, folder) for name in (*TEMPLATES, *ROVERS)}
-        places[OWN] = ask_own(folder)
-        lines = (f"{json.dumps(name)}: {json.dumps(found)}" for name, found in places.items())
-        RECORDED.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
-    return json.loads(RECORDED.read_text(encoding="utf-8"))
+    folder = tmp_path_factory.mktemp("drives")
+    return recorded_in(
+        RECORDED,
+        request,
+        (*TEMPLATES, *ROVERS, OWN),
+        lambda name: ask_own(folder) if name == OWN else ask(name, folder),
+    )
 
 
 @pytest.mark.skipif(why_missing() != "", reason=why_missing())

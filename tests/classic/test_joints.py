@@ -9,7 +9,6 @@ anew.
 from __future__ import annotations
 
 import importlib
-import json
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -17,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from classic.gazebo_classic import GazeboClassic, why_missing
+from classic.gazebo_classic import GazeboClassic, recorded_in, why_missing
 from classic.joint_cases import CASES
 from simulation.conftest import CLASSES
 from simulation.robots import VOID, spawned
@@ -79,11 +78,8 @@ def ask(name: str, folder: Path) -> Positions:
 
 @pytest.fixture(scope="module")
 def recorded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Any:
-    if request.config.getoption("--regenerate") and not why_missing():
-        folder = tmp_path_factory.mktemp("joints")
-        lines = (f"{json.dumps(name)}: {json.dumps(ask(name, folder))}" for name in CASES)
-        RECORDED.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
-    return json.loads(RECORDED.read_text(encoding="utf-8"))
+    folder = tmp_path_factory.mktemp("joints")
+    return recorded_in(RECORDED, request, CASES, lambda name: ask(name, folder))
 
 
 @pytest.mark.skipif(why_missing() != "", reason=why_missing())

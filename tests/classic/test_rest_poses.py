@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import functools
 import importlib
-import json
 import math
 from contextlib import closing
 from pathlib import Path
@@ -21,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from lxml import etree
 
-from classic.gazebo_classic import EndedError, GazeboClassic, inside, why_missing
+from classic.gazebo_classic import EndedError, GazeboClassic, inside, recorded_in, why_missing
 from classic.still_lifes import STILL_LIFES, world_of
 from classic.test_classic_robots import read
 from public_robots import ROBOTS
@@ -84,7 +83,11 @@ DIFFERENT = {
     "cart, two wheels and a low caster": (["dart"], "it rocks onto its other edge"),
 }
 
-pytestmark = [pytest.mark.oracle, pytest.mark.slow]
+pytestmark = [
+    pytest.mark.oracle,
+    pytest.mark.slow,
+    pytest.mark.timeout(3600),  # to record them takes a quarter of an hour
+]
 
 
 def seen(gazebo: GazeboClassic, model: str) -> dict[str, Any]:
@@ -236,21 +239,15 @@ def assert_same_rest(mine: dict[str, Any], real: dict[str, Any]) -> None:
     assert angle(mine["up"], real["up"]) < SAME_TILT
 
 
-def _record(file: str, names: Iterable[str], ask: Callable[[str], Any]) -> None:
-    answers = ((name, ask(name)) for name in names)
-    lines = (f"{json.dumps(name)}: {json.dumps(one)}" for name, one in answers if one is not None)
-    (RECORDED / file).write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
-
-
 @pytest.fixture(scope="module")
 def recorded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Any:
-    if request.config.getoption("--regenerate") and not why_missing():
-        folder = tmp_path_factory.mktemp("rest")
-        _record("still_lifes.json", STILL_LIFES, lambda name: ask_still_life(name, folder))
-        robots = [name for *_, name in ROBOTS]
-        _record("rest_poses.json", robots, lambda name: ask_robot(name, folder))
-    files = ("still_lifes.json", "rest_poses.json")
-    return [json.loads((RECORDED / file).read_text(encoding="utf-8")) for file in files]
+    folder = tmp_path_factory.mktemp("rest")
+    files = RECORDED / "still_lifes.json", RECORDED / "rest_poses.json"
+    robots = [name for *_, name in ROBOTS]
+    return (
+        recorded_in(files[0], request, STILL_LIFES, lambda name: ask_still_life(name, folder)),
+        recorded_in(files[1], request, robots, lambda name: ask_robot(name, folder)),
+    )
 
 
 @pytest.mark.skipif(why_missing() != "", reason=why_missing())

@@ -6,13 +6,12 @@ m/s, in Debian 11's Gazebo 11.1. `--regenerate` records it anew.
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from classic.gazebo_classic import GazeboClassic, why_missing
+from classic.gazebo_classic import GazeboClassic, recorded_in, why_missing
 from classic.worlds import ENGINES, SURFACES, simulated, world_of
 
 if TYPE_CHECKING:
@@ -54,13 +53,8 @@ def ask(one: Body, folder: Path) -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def recorded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Any:
-    if request.config.getoption("--regenerate") and not why_missing():
-        folder = tmp_path_factory.mktemp("surfaces")
-        lines = (
-            f"{json.dumps(name)}: {json.dumps(ask(one, folder))}" for name, one in SURFACES.items()
-        )
-        RECORDED.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
-    return json.loads(RECORDED.read_text(encoding="utf-8"))
+    folder = tmp_path_factory.mktemp("surfaces")
+    return recorded_in(RECORDED, request, SURFACES, lambda name: ask(SURFACES[name], folder))
 
 
 @pytest.mark.skipif(why_missing() != "", reason=why_missing())
