@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import click
@@ -13,7 +12,6 @@ from wsgen.cli.options import (
     ExampleCommand,
     jobs_option,
     output_options,
-    scheduler_option,
     workspace_option,
 )
 from wsgen.cli.report_files import append_summary, require_places, summary_option, with_files
@@ -21,12 +19,11 @@ from wsgen.cli.terminal import echo
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, RequestError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
     from contextlib import AbstractContextManager
     from pathlib import Path
 
     from wsgen.events import Listener
-    from wsgen.executors.dask_cluster import DaskExecutor
     from wsgen.fixes.plan import FixPlan
     from wsgen.pipeline.check import CheckOutcome, CheckRequest
     from wsgen.pipeline.reported import Filters, Reported
@@ -88,7 +85,6 @@ FORMATS = ("text", "json", "github", "sarif", "junit")
     "packages.",
 )
 @jobs_option("Number of packages to check in parallel.")
-@scheduler_option("Check packages")
 @click.option(
     "--format",
     "output_format",
@@ -114,7 +110,6 @@ def command(
     write_baseline: str | None,
     changed_since: str | None,
     jobs: int,
-    scheduler: str | None,
     output_format: str,
     summary_file: str | None,
     quiet: bool,
@@ -151,13 +146,12 @@ def command(
         paths=[Path(path) for path in paths], workspace=workspace, distro=distro, jobs=jobs
     )
     make_plan = partial(_plan, with_notes=verbose or bool(select))
-    with _connected(scheduler, jobs) as executor:
-        run = partial(_run, request, filters, executor, quiet=quiet, verbose=verbose)
-        outcome, reported = run()
-        fixed, plan = 0, None
-        if fix:
-            _announce(paths, workspace)
-            outcome, reported, fixed = _fix_all(outcome, reported, run, make_plan)
+    run = partial(_run, request, filters, quiet=quiet, verbose=verbose)
+    outcome, reported = run()
+    fixed, plan = 0, None
+    if fix:
+        _announce(paths, workspace)
+        outcome, reported, fixed = _fix_all(outcome, reported, run, make_plan)
     if not fix and (diff or (output_format == "text" and not quiet and reported.diagnostics)):
         plan = make_plan(outcome, reported)
     if diff and plan is not None:
@@ -202,25 +196,8 @@ def _write_summary(outcome: CheckOutcome, reported: Reported, file: str | None) 
         append_summary(file, summarize_check(outcome, reported, Path.cwd()))
 
 
-@contextmanager
-def _connected(scheduler: str | None, jobs: int) -> Iterator[DaskExecutor | None]:
-    """The executor of a cluster, for all rounds of fixes."""
-    if scheduler is None:
-        yield None
-        return
-    from wsgen.executors.scheduler import connect
-
-    with connect(scheduler, jobs) as executor:
-        yield executor
-
-
 def _run(
-    request: CheckRequest,
-    filters: Filters,
-    executor: DaskExecutor | None,
-    *,
-    quiet: bool,
-    verbose: bool,
+    request: CheckRequest, filters: Filters, *, quiet: bool, verbose: bool
 ) -> tuple[CheckOutcome, Reported]:
     import os
 
@@ -230,7 +207,7 @@ def _run(
 
     with remembering():
         with _listening(quiet=quiet, verbose=verbose) as listener:
-            outcome = check(request, environment=os.environ, listener=listener, executor=executor)
+            outcome = check(request, environment=os.environ, listener=listener)
         return outcome, filter_outcome(outcome, filters)
 
 

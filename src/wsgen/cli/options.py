@@ -149,16 +149,6 @@ def jobs_option(what: str) -> Callable[[Function], Function]:
     )
 
 
-def scheduler_option(what: str) -> Callable[[Function], Function]:
-    """--scheduler, with a help that begins with what the workers do."""
-    return click.option(
-        "--scheduler",
-        metavar="ADDRESS|local",
-        help=f"{what} on the workers of a Dask scheduler, such as tcp://192.168.1.5:8786; `local` "
-        "starts one on this machine (pip install 'wsgen[sweep]').",
-    )
-
-
 picture_option = click.option(
     "--picture",
     type=click.Path(),

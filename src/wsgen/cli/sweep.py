@@ -20,7 +20,6 @@ from wsgen.cli.options import (
     format_option,
     jobs_option,
     output_options,
-    scheduler_option,
     sim_option,
     workspace_option,
 )
@@ -122,7 +121,12 @@ class SweepCommand(ExampleCommand):
     "that fail and tilt most, or that have the largest values in a column.",
 )
 @jobs_option("Number of runs at a time.")
-@scheduler_option("Run")
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS|local",
+    help="Run on the workers of a Dask scheduler, such as tcp://192.168.1.5:8786; `local` starts "
+    "one on this machine (pip install 'wsgen[sweep]').",
+)
 @click.option(
     "--launch",
     "launch_file",

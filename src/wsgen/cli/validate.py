@@ -18,7 +18,6 @@ from wsgen.cli.options import (
     jobs_option,
     output_options,
     picture_option,
-    scheduler_option,
     seconds_option,
     workspace_option,
 )
@@ -71,7 +70,6 @@ MOST_SEARCHED = 100  # folders, for packages and files to suggest
 @jobs_option(
     "Number of packages or files to process in parallel; for a single one, number of engines."
 )
-@scheduler_option("Simulate")
 @picture_option
 @click.option(
     "--json", "json_file", type=click.Path(), metavar="FILE", help="File for the result as JSON."
@@ -96,7 +94,6 @@ def command(
     seconds: float,
     engine: str | None,
     jobs: int,
-    scheduler: str | None,
     picture: str | None,
     json_file: str | None,
     junit_file: str | None,
@@ -137,7 +134,6 @@ def command(
         seconds=seconds,
         engines=chosen_engines(engine),
         jobs=jobs,
-        scheduler=scheduler,
         picture_folder=Path(picture) if picture else None,
         run_live=run_for_behaviors,
     )

@@ -37,8 +37,6 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.events import Listener
-    from wsgen.executors.dask_cluster import DaskExecutor
-    from wsgen.executors.local import LocalExecutor
     from wsgen.isolation.parent import Run
     from wsgen.pipeline.reported import Permissions
 
@@ -89,27 +87,21 @@ def check(
     *,
     environment: Mapping[str, str],
     listener: Listener | None = None,
-    executor: DaskExecutor | LocalExecutor | None = None,
 ) -> CheckOutcome:
     """Check packages and files without building or simulating them.
 
-    With the executor of a cluster, its workers check the packages.
-
     Raises:
         NotFoundError: a path does not exist, or a folder has no package.
-        NotReadableError: the connection to the cluster is lost.
-        RequestError: the current folder has several workspaces, or the target does not exist; what
-            is to be sent to a cluster is too much.
+        RequestError: the current folder has several workspaces, or the target does not exist.
     """
     with remembering():
-        return _check(request, environment, listener, executor)
+        return _check(request, environment, listener)
 
 
 def _check(
     request: CheckRequest,
     environment: Mapping[str, str],
     listener: Listener | None,
-    executor: DaskExecutor | LocalExecutor | None,
 ) -> CheckOutcome:
     before = time.perf_counter()
     if request.distro is not None:
@@ -122,10 +114,11 @@ def _check(
         # Meshes may be written into this one, which may be more than the memory has room for.
         work = stack.enter_context(make_scratch())
 
-        def calls(run: Run) -> list[Callable[[], tuple[Diagnostic, ...]]]:
-            # With processes, here already: each has it.
-            installed = laid_out or lay_out(targets, scratch, environment)
-            return [
+        installed = lay_out(targets, scratch, environment, jobs=request.jobs)
+        folders = [one.path for one in (*targets.packages, *targets.installed)]
+
+        def calls(run: Run) -> list[Callable[[], _Checked]]:
+            checks = [
                 *(
                     partial(_check_package, package, installed, request.distro, serial, run, work)
                     for package in (*targets.packages, *targets.installed)
@@ -135,26 +128,13 @@ def _check(
                     for file in targets.files
                 ),
             ]
+            return [
+                partial(_with_permissions, check, folder)
+                for check, folder in zip_longest(checks, folders)
+            ]
 
-        laid_out = None
-        if executor is None:
-            laid_out = lay_out(targets, scratch, environment, jobs=request.jobs)
-            folders = [one.path for one in (*targets.packages, *targets.installed)]
-
-            def more(run: Run) -> list[Callable[[], _Checked]]:
-                both = zip_longest(calls(run), folders)
-                return [partial(_with_permissions, call, folder) for call, folder in both]
-
-            with _collecting_little():
-                run_parallel(more, request.jobs, serial, ended, in_workers=True)
-        else:
-            from wsgen.pipeline.remote_check import check_remotely  # noqa: PLC0415  seldom wanted
-
-            sent = stack.enter_context(make_scratch())
-            found = check_remotely(
-                targets, request.distro, environment, scratch, sent, executor, calls, serial
-            )
-            ended += map(_Checked, found)
+        with _collecting_little():
+            run_parallel(calls, request.jobs, serial, ended, in_workers=True)
         once = _once(found for each in ended for found in each.diagnostics)
         reported = [*with_submodules(once, (one.path for one in targets.packages))]
     for place, packages in targets.inventories.items():

@@ -83,7 +83,6 @@ class ValidateRequest:
     seconds: float = 3.0  # of simulated time
     engines: Sequence[str] = ("bullet",)  # the first one's figures are reported
     jobs: int = 1  # number of packages or files to process in parallel; of one, its engines
-    scheduler: str | None = None  # of Dask, whose workers simulate: its address, or "local"
     picture_folder: Path | None = None
     video: Path | None = None  # a .gif or .mp4 of the simulation of one launch file
     # Of a 3D view of the end, for a page; packages and files share them.

@@ -31,7 +31,7 @@ from wsgen.workspace.layout import Workspace, find_packages, workspace_around
 from wsgen.workspace.overlay import Overlay, open_overlay, overlay_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+    from collections.abc import Collection, Iterable, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
@@ -81,12 +81,10 @@ def validate(
         is_alone = len(packages) + len(request.files) == 1
         each = request if is_alone else replace(request, jobs=1)  # engines one after the other
         each = each.shared_by(len(packages) + len(request.files))
-        on_workers, jobs = _on_workers(request, stack)
         started = [package.started for package in packages]
         worlds = KnownWorlds(stack.enter_context(parent.make_scratch()), started)
 
         def subjects(run: Run) -> list[Validation | FileValidation]:
-            run = on_workers(run)
             return [
                 *(
                     Validation(package, overlay, each, serial, run, worlds=worlds)
@@ -100,7 +98,9 @@ def validate(
             (subject,) = subjects(parent.run)
             ended.append(subject.run())
         elif packages or request.files:
-            run_parallel(lambda run: [one.run for one in subjects(run)], jobs, serial, ended)
+            run_parallel(
+                lambda run: [one.run for one in subjects(run)], request.jobs, serial, ended
+            )
         outcomes = _without_used_elsewhere(ended, request)
         outcomes, not_validated = _with_failed_builds(
             outcomes, not_validated, overlay, request.packages
@@ -130,22 +130,6 @@ def _with_failed_builds(
     from wsgen.pipeline.failed_builds import with_failed_builds  # noqa: PLC0415  see above
 
     return with_failed_builds(outcomes, not_validated, failed, overlay, named)
-
-
-def _on_workers(request: ValidateRequest, stack: ExitStack) -> tuple[Callable[[Run], Run], int]:
-    """What makes a run one that simulates on a cluster, if one is wanted; and how many at a time.
-
-    Raises:
-        NotFoundError: Nobody answers at the address of the scheduler, or Dask is not installed.
-        RequestError: It is no address, or the cluster has other versions than this machine.
-    """
-    if request.scheduler is None:
-        return lambda run: run, request.jobs
-    from wsgen.executors.remote_run import RemoteRun  # noqa: PLC0415  as above
-    from wsgen.executors.scheduler import connect  # noqa: PLC0415  it is seldom wanted
-
-    executor = stack.enter_context(connect(request.scheduler, request.jobs))
-    return lambda run: RemoteRun(executor, run, request.jobs), max(request.jobs, executor.window)
 
 
 def _with_general(
