@@ -161,10 +161,8 @@ class Reader:
         regex = cmake_regex.compiled(pattern) if self._steps <= MOST_STEPS else None
         if regex is None:
             return None
-        before = regex.work
-        found = regex.search(text)
-        self.count((regex.work - before) // WORK_OF_A_STEP)
-        return found
+        self.count(min(regex.tries(text), cmake_regex.MOST_TRIES) // WORK_OF_A_STEP)
+        return regex.search(text)
 
     def count(self, steps: int) -> None:
         """Count work that takes as long as that many calls."""
