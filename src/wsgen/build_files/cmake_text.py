@@ -42,6 +42,8 @@ class Argument(NamedTuple):
     text: str  # without its quotation marks or brackets
     kind: str  # QUOTED, UNQUOTED or BRACKET; a parenthesis is unquoted
     line: int  # 1-based
+    start: int = 0  # where it is in the text, with its quotation marks or brackets
+    stop: int = 0
 
 
 class Call(NamedTuple):
@@ -51,6 +53,8 @@ class Call(NamedTuple):
     written: tuple[Argument, ...]
     line: int  # 1-based, of the command
     end: int  # 1-based, of the closing parenthesis
+    start: int  # where the command begins in the text
+    stop: int  # behind its closing parenthesis
 
     @property
     def arguments(self) -> tuple[str, ...]:
@@ -99,7 +103,8 @@ class _Parser:
     def __init__(self, text: str) -> None:
         self.text = text
         self.calls: list[Call] = []
-        self._name: tuple[str, int] | None = None  # of a command whose parenthesis must follow
+        # Of a command whose parenthesis must follow: its name, line and place in the text.
+        self._name: tuple[str, int, int] | None = None
         self._written: list[Argument] = []
         self._open = 0  # parentheses
 
@@ -118,7 +123,7 @@ class _Parser:
             position = token.end()
         if self._name is None:
             return None
-        name, line = self._name
+        name, line, _ = self._name
         if self._open:
             return SyntaxMistake(
                 f"The parenthesis of {name}( is not closed.", line, "Add `)` where it ends."
@@ -129,19 +134,20 @@ class _Parser:
         if self._open:
             self._open += {"open": 1, "close": -1}.get(kind, 0)
             if not self._open and self._name is not None:
-                name, start = self._name
-                self.calls.append(Call(name.lower(), tuple(self._written), start, line))
+                name, first_line, start = self._name
+                written = tuple(self._written)
+                self.calls.append(Call(name.lower(), written, first_line, line, start, token.end()))
                 self._name, self._written = None, []
             else:
                 self._written.append(_argument(token, kind, line))
         elif self._name is None:
             if kind != UNQUOTED or not _NAME.fullmatch(token[0]):
                 return _no_command(token[0], line)
-            self._name = (token[0], line)
+            self._name = (token[0], line, token.start())
         elif kind == "open":
             self._open = 1
         else:
-            return _no_parenthesis(*self._name)
+            return _no_parenthesis(*self._name[:2])
         return None
 
     def _no_token(self, position: int, line: int) -> SyntaxMistake:
@@ -166,12 +172,13 @@ def _no_parenthesis(name: str, line: int) -> SyntaxMistake:
 def _argument(token: re.Match[str], kind: str, line: int) -> Argument:
     text = token[0]
     if kind == QUOTED:
-        return Argument(text[1:-1].replace("\\\n", ""), QUOTED, line)
-    if kind == BRACKET:
+        text = text[1:-1].replace("\\\n", "")
+    elif kind == BRACKET:
         width = len(token["signs"]) + 2
-        text = text[width:-width]
-        return Argument(text.removeprefix("\r").removeprefix("\n"), BRACKET, line)
-    return Argument(text, UNQUOTED, line)
+        text = text[width:-width].removeprefix("\r").removeprefix("\n")
+    else:
+        kind = UNQUOTED
+    return Argument(text, kind, line, token.start(), token.end())
 
 
 def _no_command(word: str, line: int) -> SyntaxMistake:

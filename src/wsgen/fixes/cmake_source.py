@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING, NamedTuple
+
+from wsgen.build_files.cmake_text import BRACKET, QUOTED, parse
 
 if TYPE_CHECKING:
     from wsgen.fixes.source import SourceText
@@ -26,41 +27,22 @@ class Command(NamedTuple):
     arguments: tuple[Argument, ...]
 
 
-_PIECE = re.compile(
-    r"(?P<comment>#\[(?P<hash>=*)\[.*?\](?P=hash)\]|#[^\n]*)"
-    r'|(?P<quoted>"(?:[^"\\]|\\.)*")'
-    r"|(?P<bracket>\[(?P<equals>=*)\[.*?\](?P=equals)\])"
-    r"|(?P<open>\()|(?P<close>\))"
-    r'|(?P<word>(?:[^\s()#"\\]|\\.|\$\([^)\s]*\))+)',
-    re.DOTALL,
-)
-
-
 def read_commands(source: SourceText) -> list[Command]:
-    """All calls, in the order of the text."""
-    found: list[Command] = []
-    name: re.Match[str] | None = None
-    depth = 0
-    arguments: list[Argument] = []
-    for piece in _PIECE.finditer(source.text):
-        kind = piece.lastgroup
-        if piece["comment"] is not None:
-            continue
-        if piece["open"]:
-            depth += 1
-        elif piece["close"]:
-            depth -= 1
-            if depth == 0 and name is not None:
-                command = Command(name[0].lower(), name.start(), piece.end(), tuple(arguments))
-                found.append(command)
-                name, arguments = None, []
-            depth = max(depth, 0)
-        elif depth == 0:
-            name, arguments = (piece if piece["word"] else None), []
-        elif kind is not None:
-            text = piece[0][1:-1] if piece["quoted"] is not None else piece[0]
-            arguments.append(Argument(piece.start(), piece.end(), text))
-    return found
+    """All calls before the first mistake of syntax, in the order of the text."""
+    calls, _ = parse(source.text)
+    return [
+        Command(
+            call.command,
+            call.start,
+            call.stop,
+            tuple(
+                Argument(one.start, one.stop, one.text)
+                for one in call.written
+                if one.kind in {QUOTED, BRACKET} or one.text not in {"(", ")"}
+            ),
+        )
+        for call in calls
+    ]
 
 
 def command_at(source: SourceText, line: int | None, *names: str) -> Command | None:
