@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 
+from wsgen.suggestions import LONGEST, mistakes_between
+
 SHORT = 4  # letters; in shorter words only the order of letters may differ: `xzy`, not `fl` or `x`
 LONG = 8  # letters; from here on two letters may differ
 
@@ -41,19 +43,7 @@ def _is_slip(one: str, other: str) -> bool:
     if len(one) == len(other) and one[:-1] == other[:-1]:
         return False
     length = max(len(one), len(other))
+    if length > LONGEST:
+        return False
     allowed = 0 if length < SHORT else 1 if length < LONG else 2
-    return _distance(one, other, allowed) <= allowed
-
-
-def _distance(one: str, other: str, most: int) -> int:
-    """How many letters are changed, left out or added; more than `most` is not counted."""
-    if abs(len(one) - len(other)) > most:
-        return most + 1
-    row = list(range(len(other) + 1))
-    for place, letter in enumerate(one, start=1):
-        before, row = row, [place]
-        for column, another in enumerate(other, start=1):
-            row.append(
-                min(before[column] + 1, row[-1] + 1, before[column - 1] + (letter != another))
-            )
-    return row[-1]
+    return mistakes_between(one, other) <= allowed
