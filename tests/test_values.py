@@ -1,4 +1,4 @@
-"""`dataclass` and `NamedTuple` of wsgen do what those of the standard library do."""
+"""`dataclass` of wsgen does what that of the standard library does."""
 
 from __future__ import annotations
 
@@ -7,15 +7,14 @@ import dataclasses
 import pickle
 import re
 from dataclasses import FrozenInstanceError, field, replace
-from typing import TYPE_CHECKING, Any, get_type_hints
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
 if TYPE_CHECKING:
     from dataclasses import dataclass
-    from typing import NamedTuple
 else:
-    from wsgen.values import NamedTuple, dataclass
+    from wsgen.values import dataclass
 
 from wsgen.values import lazy_pattern
 
@@ -123,65 +122,6 @@ def test_a_class_without_decorator_has_that_of_its_base() -> None:
     assert Fixed(name="b", limit=2.0).limit == 2.0
     assert copy.copy(Undecorated(name="a")).name == "a"
     assert pickle.loads(pickle.dumps(Joint(name="a"))) == Joint(name="a")  # noqa: S301  its own
-
-
-class Place(NamedTuple):
-    """Where something is."""
-
-    file: str
-    line: int | None
-    names: tuple[str, ...] = ()
-
-    @property
-    def shown(self) -> str:
-        return f"{self.file}:{self.line}"
-
-
-class Shown(Place):
-    __slots__ = ()
-
-
-class Alone(NamedTuple):
-    only: str
-
-
-def test_named_tuples() -> None:
-    place = Place("a", 1)
-    assert (*place,) == ("a", 1, ())
-    assert place == Place(file="a", line=1, names=())
-    assert repr(place) == "Place(file='a', line=1, names=())"
-    assert (place.file, place.line, place.names, place.shown) == ("a", 1, (), "a:1")
-    assert place._asdict() == {"file": "a", "line": 1, "names": ()}
-    assert place._replace(line=2) == Place("a", 2)
-    assert Place._make(["a", 1, ()]) == place
-    assert (Place._fields, Place._field_defaults) == (("file", "line", "names"), {"names": ()})
-    assert Place.__doc__ == "Where something is."
-    assert get_type_hints(Place)["names"] == tuple[str, ...]
-    assert (*Alone("a"),) == ("a",)
-    match place:
-        case Place(file, line):
-            assert (file, line) == ("a", 1)
-    assert isinstance(Shown("a", 1), Place)
-    assert type(Shown("a", 1)) is Shown
-    for copied in (copy.deepcopy(place), pickle.loads(pickle.dumps(place))):  # noqa: S301
-        assert copied == place
-        assert type(copied) is Place
-
-
-def test_named_tuples_refuse() -> None:
-    make: Any = Place
-    with pytest.raises(TypeError, match="missing 1 required positional argument: 'line'"):
-        make("a")
-    with pytest.raises(TypeError, match="unexpected keyword argument 'place'"):
-        make("a", 1, place=2)
-    with pytest.raises(TypeError, match="Expected 3 arguments, got 1"):
-        Place._make(["a"])
-    with pytest.raises(TypeError, match="unexpected field names"):
-        make("a", 1)._replace(place=2)
-    with pytest.raises(AttributeError):
-        make("a", 1).line = 2
-    with pytest.raises(AttributeError):
-        make("a", 1).place = 2
 
 
 def test_lazy_patterns() -> None:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.values import NamedTuple, lazy_pattern
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

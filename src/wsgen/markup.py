@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import re
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 from xml.parsers import expat
 
 from wsgen.files import read_regular
-from wsgen.values import NamedTuple, lazy_pattern
+from wsgen.values import lazy_pattern
 from wsgen.xmlsyntax import DEEPEST
 
 if TYPE_CHECKING:

@@ -3,28 +3,22 @@
 `dataclasses` compiles nine methods for each frozen class, which takes half a millisecond that every
 command pays for every class that it loads. Here all classes share those that compare, hash, show
 and refuse changes, and a class has its `__init__` compiled when the first object is made: most
-classes that a command loads it does not use.
+classes that a command loads it does not use. That is a tenth of `wsgen check` and `wsgen validate`.
 
-`typing.NamedTuple` compiles each annotation and a `__new__`, which takes a fifth of a millisecond.
-Here they stay texts, and `__new__` is compiled when the first tuple is made. A `lazy_pattern` is
-compiled when it is first used.
+A `lazy_pattern` is compiled when it is first used.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import re
-import typing
-from collections import _tuplegetter  # type: ignore[attr-defined]  # what its `namedtuple` uses
 from functools import cache
 from reprlib import recursive_repr
-from types import new_class
 from typing import TYPE_CHECKING, Any, NoReturn
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterator
     from dataclasses import dataclass as dataclass  # noqa: PLC0414, TID251  type checkers know it
-    from typing import NamedTuple as NamedTuple  # noqa: PLC0414  same
 
     lazy_pattern = re.compile
 else:
@@ -32,23 +26,6 @@ else:
     def lazy_pattern(pattern: str | bytes, flags: int = 0) -> Any:
         """As `re.compile`; what is wrong with a pattern is raised when it is first used."""
         return _LazyPattern(pattern, flags)
-
-    class _NamedTupleType(type):
-        """Makes of a class with annotations one of named tuples, as `typing.NamedTuple` does."""
-
-        def __new__(
-            cls, name: str, bases: tuple[type, ...], namespace: dict[str, Any], **options: Any
-        ) -> type:
-            if not bases:
-                return type.__new__(cls, name, bases, namespace)
-            annotations = namespace.get("__annotations__")
-            if annotations is None or len(bases) > 1:  # they are not texts, or it is generic
-                others = (typing.NamedTuple if one is NamedTuple else one for one in bases)
-                return new_class(name, tuple(others), options, lambda made: made.update(namespace))
-            return _make_named_tuple(name, tuple(annotations), namespace)
-
-    class NamedTuple(metaclass=_NamedTupleType):
-        """As `typing.NamedTuple`, for classes whose fields are written in their body."""
 
     def dataclass(
         cls: type | None = None, /, *, frozen: bool = False, kw_only: bool = False
@@ -152,77 +129,6 @@ def _hash(self: Any) -> int:
 def _show(self: Any) -> str:
     shown = (f"{one.name}={getattr(self, one.name)!r}" for one in dataclasses.fields(self))
     return f"{type(self).__qualname__}({', '.join(shown)})"
-
-
-def _make_named_tuple(name: str, fields: tuple[str, ...], namespace: dict[str, Any]) -> Any:
-    defaults = {field: namespace.pop(field) for field in fields if field in namespace}
-
-    def make_first(cls: Any, *values: Any, **named: Any) -> Any:
-        """Put the compiled `__new__` in the place of this one, at the first call."""
-        compiled = _compile_new(fields, tuple(defaults.values()))
-        made.__new__ = compiled
-        return compiled(cls, *values, **named)
-
-    made: Any = type(
-        name,
-        (tuple,),
-        {
-            "__slots__": (),
-            "__doc__": f"{name}({', '.join(fields)})",
-            "__new__": make_first,
-            "__repr__": _show_named_tuple,
-            "__getnewargs__": _values_of,
-            "_asdict": _as_dict,
-            "_make": classmethod(_make),
-            "_replace": _replaced,
-            "__replace__": _replaced,
-            "_fields": fields,
-            "_field_defaults": defaults,
-            "__match_args__": fields,
-            **{field: _tuplegetter(index, field) for index, field in enumerate(fields)},
-            **namespace,
-        },
-    )
-    return made
-
-
-def _compile_new(fields: tuple[str, ...], defaults: tuple[Any, ...]) -> Any:
-    names = "".join(f", {field}" for field in fields)
-    text = f"lambda _cls{names}: _new(_cls, ({names[2:]}{',' if len(fields) == 1 else ''}))"
-    made = eval(text, {"_new": tuple.__new__, "__builtins__": {}})  # noqa: S307  as `namedtuple`
-    made.__defaults__ = defaults
-    made.__name__ = made.__qualname__ = "__new__"
-    return made
-
-
-def _show_named_tuple(self: Any) -> str:
-    shown = (f"{name}={value!r}" for name, value in zip(self._fields, self, strict=True))
-    return f"{type(self).__name__}({', '.join(shown)})"
-
-
-def _values_of(self: Any) -> tuple[Any, ...]:
-    return tuple(self)
-
-
-def _as_dict(self: Any) -> dict[str, Any]:
-    """The values by the names of their fields."""
-    return dict(zip(self._fields, self, strict=True))
-
-
-def _make(cls: Any, values: Iterable[Any]) -> Any:
-    """One of these tuples of so many values."""
-    made = tuple.__new__(cls, values)
-    if len(made) != len(cls._fields):
-        raise TypeError(f"Expected {len(cls._fields)} arguments, got {len(made)}")
-    return made
-
-
-def _replaced(self: Any, /, **values: Any) -> Any:
-    """A tuple with other values of some fields."""
-    made = self._make(map(values.pop, self._fields, self))
-    if values:
-        raise TypeError(f"Got unexpected field names: {list(values)!r}")
-    return made
 
 
 _OF_PATTERNS = (

@@ -7,11 +7,11 @@ far larger than anything that people write is refused, before a tree is made of 
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 from xml.parsers import expat
 
 from wsgen.suggestions import nearest
-from wsgen.values import NamedTuple, lazy_pattern
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from typing import Any

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from copy import copy
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.files import read_regular
-from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -6,11 +6,10 @@ What is installed by a build that failed is a part of the package, or the one of
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.files import read_regular_text
-from wsgen.values import NamedTuple
 from wsgen.workspace.layout import BUILD_RESULT
 from wsgen.workspace.manifest import BUILD_TAGS, RUN_TAGS
 

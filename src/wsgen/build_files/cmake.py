@@ -6,7 +6,7 @@ Where a condition is not known, both of its branches count.
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.build_files import cmake_commands, cmake_regex
 from wsgen.build_files.cmake_calls import InstallRule, Mention
@@ -31,7 +31,6 @@ from wsgen.build_files.cmake_values import (
     expand,
     split_list,
 )
-from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence

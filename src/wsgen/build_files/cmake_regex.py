@@ -11,8 +11,7 @@ from __future__ import annotations
 
 import re
 from functools import lru_cache
-
-from wsgen.values import NamedTuple
+from typing import NamedTuple
 
 LONGEST = 500  # letters of a pattern
 MOST_TRIES = 10_000_000  # of Python's `re`

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.build_files.cmake_checks import (
     GIT_KEEPS_NO_EMPTY_FOLDERS,
@@ -19,7 +19,7 @@ from wsgen.build_files.elsewhere import find_elsewhere
 from wsgen.diagnostics import Rule, Severity
 from wsgen.files import read_regular
 from wsgen.suggestions import ask_for_nearest, did_you_mean, nearest, some_of
-from wsgen.values import NamedTuple, lazy_pattern
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Sequence

@@ -6,7 +6,9 @@ Debian or a computer in a robot has no desktop.
 
 from __future__ import annotations
 
-from wsgen.values import NamedTuple, lazy_pattern
+from typing import NamedTuple
+
+from wsgen.values import lazy_pattern
 
 # Debian's and Ubuntu's package of each library that the wheels for Linux may leave to the system.
 DEBIAN_PACKAGES = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.files import after_scheme, read_regular_text
@@ -16,7 +16,7 @@ from wsgen.launch.missing_actions import or_unused_action
 from wsgen.launch.simulators import PACKAGES_OF_GAZEBO, find_simulator
 from wsgen.model.plan import STARTS_UNKNOWN
 from wsgen.suggestions import advice, nearest
-from wsgen.values import NamedTuple, lazy_pattern
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -8,11 +8,10 @@ same, it is not expanded again.
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.isolation.child import copy_environment
 from wsgen.launch.record import RECORD, CommandOutcome
-from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -8,7 +8,7 @@ from __future__ import annotations
 import ast
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.files import read_whole
@@ -20,7 +20,7 @@ from wsgen.pythontree import parse_anew
 from wsgen.ros_names import released_packages
 from wsgen.source_shares import is_source
 from wsgen.suggestions import advice, did_you_mean, nearest
-from wsgen.values import NamedTuple, lazy_pattern
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import shlex
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.errors import RequestError, SessionDiedError
 from wsgen.live.prepare import RunRequest
@@ -18,7 +18,6 @@ from wsgen.pipeline.changed_since_build import shares_of
 from wsgen.simulation.engine import State
 from wsgen.simulation.odometer import Odometer, heading_of
 from wsgen.simulation.sampling import DIGITS, TOLERANCE
-from wsgen.values import NamedTuple
 from wsgen.workspace.layout import find_packages
 
 if TYPE_CHECKING:

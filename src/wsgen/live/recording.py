@@ -10,13 +10,13 @@ import signal
 import subprocess
 from importlib.util import find_spec
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.errors import NotFoundError, RequestError, SessionDiedError
 from wsgen.isolation import parent
 from wsgen.rendering.recording import require_encoder, why_no_video
 from wsgen.ros_environment.processes import module_command
-from wsgen.values import NamedTuple, dataclass
+from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -6,7 +6,7 @@ import math
 import tempfile
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.isolation import parent
@@ -14,7 +14,6 @@ from wsgen.isolation.codec import decode
 from wsgen.isolation.result import Died, Limits
 from wsgen.meshes.requests import InspectedMesh, MeshRequest, UnusableMesh
 from wsgen.model.robot import Mesh
-from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence

@@ -7,7 +7,7 @@ import os
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 from urllib.parse import unquote
 
 from wsgen.description_rules import MISSING_COLLISION_MESH, MISSING_VISUAL_MESH
@@ -15,7 +15,7 @@ from wsgen.files import after_scheme, irregular_kind
 from wsgen.markup import read_text
 from wsgen.model.robot import Mesh, Robot
 from wsgen.suggestions import did_you_mean, misspelled_as
-from wsgen.values import NamedTuple, lazy_pattern
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.isolation import parent
@@ -14,7 +14,6 @@ from wsgen.isolation.result import Died, Limits
 from wsgen.meshes.requests import BuiltShape, UnbuildableShape
 from wsgen.model.robot import Extrusion, Heightmap, Mesh, Triangulated
 from wsgen.model.transform import Pose, compose
-from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -6,9 +6,9 @@ Names and parameters are those that the sources of gazebo_plugins and of gz-sim'
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.values import NamedTuple, lazy_pattern
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from wsgen.model.robot import Robot

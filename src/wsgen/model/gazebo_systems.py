@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import re
 from functools import cache
+from typing import NamedTuple
 
 from wsgen.suggestions import nearest
-from wsgen.values import NamedTuple, lazy_pattern
+from wsgen.values import lazy_pattern
 
 # Library, without its prefix and suffix -> its class; where that is not the name in CamelCase, it
 # follows the name after a colon.

@@ -12,10 +12,11 @@ from collections.abc import (  # noqa: TC003  the file of a live run is decoded 
 )
 from dataclasses import field
 from enum import Enum
+from typing import NamedTuple
 
 from wsgen.model.control import ControlSystem, Transmission  # noqa: TC001  as `Pose`
 from wsgen.model.transform import IDENTITY, Pose, Vector
-from wsgen.values import NamedTuple, dataclass
+from wsgen.values import dataclass
 
 # Of a tree in PyBullet: MAX_DEGREE_OF_FREEDOM in its SharedMemoryCommands.h; with more, reading a
 # pose raises.

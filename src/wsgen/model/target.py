@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.errors import RequestError
 from wsgen.model.facts import (
@@ -15,7 +15,7 @@ from wsgen.model.facts import (
     ROS2_CONTROL_HARDWARE,
 )
 from wsgen.suggestions import did_you_mean, nearest
-from wsgen.values import NamedTuple, dataclass
+from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

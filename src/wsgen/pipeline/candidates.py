@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Severity, has_errors
 from wsgen.events import OneAtATime, StepEnded, StepProgressed, StepStarted, post
@@ -19,7 +19,6 @@ from wsgen.pipeline.started import (
     with_description,
     with_publisher_that_fails,
 )
-from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence

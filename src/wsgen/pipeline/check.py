@@ -13,7 +13,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import field, replace
 from functools import partial
 from itertools import zip_longest
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.diagnostics import has_errors
 from wsgen.errors import RequestError
@@ -28,7 +28,7 @@ from wsgen.pipeline.reported import read_permissions
 from wsgen.pipeline.submodules import with_submodules
 from wsgen.ros_names import released_packages
 from wsgen.suggestions import advice
-from wsgen.values import NamedTuple, dataclass, lazy_pattern
+from wsgen.values import dataclass, lazy_pattern
 from wsgen.workspace.package_xml import duplicate_names
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen import yamlfile
 from wsgen.files import read_regular, real_path
@@ -30,7 +30,6 @@ from wsgen.sdf.includes import DATABASE_MODELS, MODEL_LEFT_OUT
 from wsgen.sdf.lookup import find_world, model_finder
 from wsgen.sdf.source import SIZE_LIMIT, load, read_document
 from wsgen.source_shares import may_have_sources
-from wsgen.values import NamedTuple
 from wsgen.workspace.layout import LAUNCH_FILES
 from wsgen.xacro.source import written_elements
 from wsgen.xmltree import child_text, children

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import has_errors
 from wsgen.files import real_path
@@ -49,7 +49,7 @@ from wsgen.pipeline.started import Started, start
 from wsgen.rules import launch_files
 from wsgen.rules.controllers import former_spawners
 from wsgen.rules.target import target_of
-from wsgen.values import NamedTuple, lazy_pattern
+from wsgen.values import lazy_pattern
 from wsgen.workspace.layout import LAUNCH_FILES, find_launch_files
 from wsgen.workspace.robot_files import find_descriptions
 from wsgen.workspace.settings import read_settings

@@ -5,11 +5,10 @@ from __future__ import annotations
 import os
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.errors import NotFoundError
 from wsgen.source_shares import INDEX
-from wsgen.values import NamedTuple
 from wsgen.workspace.layout import (
     INSTALL_LAYOUT,
     PackageFolder,

@@ -6,7 +6,7 @@ import os
 import time
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.errors import RequestError, WouldOverwriteError
 from wsgen.model.target import end_of_life_note
@@ -21,7 +21,6 @@ from wsgen.templating.write import (
     refuse_files,
     write_package,
 )
-from wsgen.values import NamedTuple
 from wsgen.workspace.layout import (
     Workspace,
     check_workspace_path,

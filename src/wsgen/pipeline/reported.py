@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import has_errors
 from wsgen.errors import RequestError
@@ -20,7 +20,7 @@ from wsgen.rules.catalogue import (
 from wsgen.rules.install_consequences import fold_not_installed
 from wsgen.rules.suppressions import suppress
 from wsgen.suggestions import ask_for_nearest
-from wsgen.values import NamedTuple, dataclass
+from wsgen.values import dataclass
 from wsgen.workspace.allowances import find_comments, read_comments
 from wsgen.workspace.settings import read_settings
 

@@ -7,7 +7,7 @@ import re
 from collections import Counter
 from dataclasses import replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.build.request import refuse_empty
 from wsgen.build_files.cmake_text import read_calls
@@ -31,7 +31,6 @@ from wsgen.pipeline.launch_file_lookup import (
 )
 from wsgen.pipeline.requests import SelectedPackage
 from wsgen.pipeline.started import start
-from wsgen.values import NamedTuple
 from wsgen.workspace.layout import find_launch_files, find_packages, read_package
 from wsgen.workspace.overlay import require_share
 from wsgen.workspace.robot_files import find_robot_files

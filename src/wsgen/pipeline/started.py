@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity, has_errors
 from wsgen.launch.descriptions import (
@@ -17,7 +17,6 @@ from wsgen.launch.evaluate import evaluate
 from wsgen.launch.explain_missing import PACKAGE_NOT_FOUND
 from wsgen.launch.simulators import find_simulator
 from wsgen.pipeline.gazebo_models import find_robots
-from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.launch.explain_missing import where_written
 from wsgen.model.gazebo_systems import DEFAULT_SYSTEMS, loaded_class
@@ -21,7 +21,6 @@ from wsgen.rules.systems import (
 )
 from wsgen.sdf.lookup import is_brought_along
 from wsgen.sdf.source import load, read_document
-from wsgen.values import NamedTuple
 from wsgen.xmltree import children
 
 if TYPE_CHECKING:

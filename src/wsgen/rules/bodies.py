@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.inertia import as_attributes, of_solid, principal_moments
@@ -17,7 +17,7 @@ from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere
 from wsgen.model.transform import Pose, compose, rotate, rotation_of_rpy
 from wsgen.rules.friction import is_oblique
 from wsgen.rules.robots import HEAVIEST, IMPLAUSIBLE_INERTIA, LARGEST, ratio, volume_of
-from wsgen.values import NamedTuple, lazy_pattern
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Sequence

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen import yamlfile
 from wsgen.diagnostics import Diagnostic, Rule, Severity
@@ -13,7 +13,7 @@ from wsgen.markup import read_text
 from wsgen.rules.parameter_files import malformed_parameter_files
 from wsgen.rules.simulators import BRIDGES
 from wsgen.suggestions import LONG_ENOUGH, advice, did_you_mean, mistakes_between, nearest
-from wsgen.values import NamedTuple, lazy_pattern
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Sequence

@@ -6,12 +6,12 @@ the parameter files of ros2_controllers.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.rules.controller_parameters import invalid_parameters
 from wsgen.suggestions import did_you_mean, nearest, some_of
-from wsgen.values import NamedTuple, lazy_pattern
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Sequence

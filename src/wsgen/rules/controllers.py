@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launch.commands import started_programs
 from wsgen.launch.explain_missing import EXECUTABLE_NOT_FOUND
 from wsgen.suggestions import advice, did_you_mean, nearest
-from wsgen.values import NamedTuple
 from wsgen.xmltree import children
 
 if TYPE_CHECKING:

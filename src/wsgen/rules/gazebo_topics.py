@@ -5,10 +5,9 @@ Source of the default names: gazebosim/gz-sim, src/systems; gazebosim/gz-sensors
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.model.gazebo_systems import system_of
-from wsgen.values import NamedTuple
 from wsgen.xmltree import child_text, children
 
 if TYPE_CHECKING:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launch.commands import started_launch_files, started_programs
@@ -13,7 +13,6 @@ from wsgen.model.gazebo_systems import systems
 from wsgen.rules.bridges import TO_GZ, find_bridges
 from wsgen.rules.simulators import BRIDGES
 from wsgen.suggestions import some_of
-from wsgen.values import NamedTuple
 from wsgen.xmltree import child_texts, children
 
 if TYPE_CHECKING:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.markup import read_text
-from wsgen.values import NamedTuple, lazy_pattern
+from wsgen.values import lazy_pattern
 from wsgen.workspace.manifest import BUILD_TAGS, DEPENDENCY_TAGS, EXPORT_TAGS, RUN_TAGS
 
 if TYPE_CHECKING:

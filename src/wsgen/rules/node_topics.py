@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launch.commands import started_launch_files, started_programs
@@ -10,7 +10,6 @@ from wsgen.rules.bridges import FROM_GZ, TO_GZ, absolute
 from wsgen.rules.controllers import managed_controllers
 from wsgen.rules.simulators import BRIDGES
 from wsgen.suggestions import LONG, LONG_ENOUGH, did_you_mean, mistakes_between
-from wsgen.values import NamedTuple
 from wsgen.xmltree import child_text, children
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ in `wsgen.model.gazebo_plugins`.
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.gazebo_plugins import (
@@ -26,7 +26,7 @@ from wsgen.model.gazebo_plugins import (
 from wsgen.model.gazebo_systems import remark_on
 from wsgen.model.robot import JointType
 from wsgen.suggestions import did_you_mean, nearest, some_of
-from wsgen.values import NamedTuple, lazy_pattern
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Sequence

@@ -6,12 +6,12 @@ launch files of gazebo_ros and ros_gz_sim, which read the exports of package.xml
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.gazebo_plugins import CLASSIC, SIM, SIMULATOR_NAMES
 from wsgen.suggestions import some_of
-from wsgen.values import NamedTuple, lazy_pattern
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator

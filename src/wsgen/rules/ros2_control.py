@@ -7,13 +7,12 @@ gz_ros2_control and `gazebo_system.cpp` of gazebo_ros2_control.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.gazebo_systems import control_library
 from wsgen.model.robot import JointType
 from wsgen.suggestions import did_you_mean, nearest
-from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence

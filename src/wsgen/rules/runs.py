@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import math
 from itertools import combinations
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.outcome import ENGINE_NAMES, name_engines
 from wsgen.model.robot import JointType
 from wsgen.model.transform import multiply, rotation_of_rpy, transpose
-from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence

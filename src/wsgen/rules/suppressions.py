@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from pathlib import PurePath
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.files import real_path
 from wsgen.rules.catalogue import UNKNOWN_RULE_ALLOWED, all_rules, find_rule
 from wsgen.suggestions import did_you_mean, nearest
-from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Sequence

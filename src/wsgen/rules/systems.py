@@ -6,7 +6,7 @@ they do). The names are in `wsgen.model.gazebo_systems`.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.gazebo_plugins import SIMULATOR_NAMES, stem
@@ -24,7 +24,6 @@ from wsgen.model.gazebo_systems import (
 from wsgen.rules.plugins import RAYS, WITH_RAYS
 from wsgen.sdf.source import line_of, path_of
 from wsgen.suggestions import some_of
-from wsgen.values import NamedTuple
 from wsgen.xmltree import child_text, children
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ that of the joint above it; only the root keeps its own.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.description_rules import NO_LINK, UNKNOWN_MIMICKED_JOINT
 from wsgen.diagnostics import Rule, Severity
@@ -18,7 +18,6 @@ from wsgen.sdf.frames import DUPLICATE_SDF_NAME, WORLD, canonical_link, poses_in
 from wsgen.sdf.joints import read_edge, read_joint
 from wsgen.sdf.shapes import read_planes
 from wsgen.sdf.source import line_of
-from wsgen.values import NamedTuple
 from wsgen.xmltree import child_texts, children
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ Since SDF 1.11, `<inertial auto="true">` computes mass and inertia from the coll
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.description_rules import IMPOSSIBLE_INERTIA, NEGATIVE_MASS
 from wsgen.diagnostics import Rule, Severity
@@ -30,7 +30,6 @@ from wsgen.model.transform import Pose
 from wsgen.sdf.shapes import FRAME_IGNORED, ShapeReader
 from wsgen.sdf.source import line_of
 from wsgen.sdf.values import first, number, optional_number, read_pose, truth
-from wsgen.values import NamedTuple
 from wsgen.xmltree import child_texts, children
 
 if TYPE_CHECKING:

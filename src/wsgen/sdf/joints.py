@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.description_rules import (
     SELF_JOINT,
@@ -19,7 +19,6 @@ from wsgen.sdf.frames import MODEL_FRAME, WORLD, frame_called, link_of
 from wsgen.sdf.source import MODEL_FRAME_AXES, POSE_FRAMES, line_of
 from wsgen.sdf.values import TRUTH, first, number, triple, word
 from wsgen.suggestions import did_you_mean, nearest
-from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from wsgen.model.transform import Matrix, Pose, Vector

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 from urllib.parse import unquote, urlsplit
 
 from wsgen.files import irregular_kind, read_regular
 from wsgen.markup import read_text
-from wsgen.values import NamedTuple, lazy_pattern
+from wsgen.values import lazy_pattern
 from wsgen.xmltree import Malformed, children, parse
 
 if TYPE_CHECKING:

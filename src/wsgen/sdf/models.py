@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.description_rules import UNNAMED_ELEMENT
 from wsgen.diagnostics import Rule, Severity
@@ -34,7 +34,6 @@ from wsgen.sdf.includes import (
 from wsgen.sdf.source import line_of, load, parse_text, with_version
 from wsgen.sdf.values import first, read_pose, truth, word
 from wsgen.sdf.worlds import check_ground, describe_world
-from wsgen.values import NamedTuple
 from wsgen.xmltree import children
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.description_rules import (
     MAKE_IT_THICK,
@@ -54,7 +54,6 @@ from wsgen.sdf.values import (
     triple,
     word,
 )
-from wsgen.values import NamedTuple
 from wsgen.xmltree import children, gz_attribute
 
 if TYPE_CHECKING:

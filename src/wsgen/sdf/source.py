@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.description_rules import (
     MALFORMED_XML,
@@ -21,7 +21,6 @@ from wsgen.description_rules import (
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.files import irregular_kind, read_regular, save_as_utf8, wide_encoding
 from wsgen.suggestions import did_you_mean, nearest
-from wsgen.values import NamedTuple
 from wsgen.xmltree import Malformed, parse, parse_as_tinyxml
 
 if TYPE_CHECKING:

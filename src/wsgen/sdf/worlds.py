@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen import xmltree
 from wsgen.diagnostics import Rule, Severity
@@ -14,7 +14,6 @@ from wsgen.model.transform import rotate, rotation_of_rpy
 from wsgen.model.world import SUN_COLOR, SUN_DIRECTION, PlacedModel, World
 from wsgen.sdf.includes import GROUND_PLANE, GROUND_PLANE_FRICTION, SUN, is_sun
 from wsgen.sdf.values import first, read_numbers, read_pose, triple, truth, word
-from wsgen.values import NamedTuple
 from wsgen.xmltree import children
 
 if TYPE_CHECKING:

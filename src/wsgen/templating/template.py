@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen import tomlfile
 from wsgen.diagnostics import Rule, Severity
@@ -19,7 +19,6 @@ from wsgen.suggestions import ask_for_nearest
 from wsgen.templating.sources import SHIPPED, templates_folder
 from wsgen.templating.variables import TYPES, Variable
 from wsgen.tomlfile import find_line
-from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

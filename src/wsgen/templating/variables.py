@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 import string
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.errors import RequestError
 from wsgen.suggestions import ask_for_nearest
-from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

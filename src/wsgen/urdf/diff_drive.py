@@ -7,11 +7,10 @@ Names and defaults are those of `gazebo_ros_diff_drive.cpp` (gazebo_plugins, Hum
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.model.behavior import Bounds, DiffDrive, WheelPair
 from wsgen.urdf.values import leading_float
-from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

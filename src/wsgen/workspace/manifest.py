@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import errno
 from dataclasses import field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 from xml.parsers import expat
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.files import read_regular
-from wsgen.values import NamedTuple, dataclass
+from wsgen.values import dataclass
 from wsgen.workspace.conditions import holds
 from wsgen.xmlsyntax import (
     DEEPEST,

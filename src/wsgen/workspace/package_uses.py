@@ -10,7 +10,7 @@ import ast
 import os
 import re
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.files import irregular_kind, real_path
 from wsgen.launch.imported_packages import (
@@ -26,7 +26,7 @@ from wsgen.launch.imported_packages import (
 from wsgen.markup import read_text, without_comments
 from wsgen.model.gazebo_plugins import OF_CLASSIC
 from wsgen.pythontree import parse
-from wsgen.values import NamedTuple, lazy_pattern
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator

@@ -15,14 +15,13 @@ import sys
 import time
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 from xml.parsers.expat import ExpatError
 
 import xacro
 
 from wsgen.files import read_regular, refuse_irregular
 from wsgen.source_shares import note_use
-from wsgen.values import NamedTuple
 from wsgen.xacro.result import Expansion, ExpansionError, UnusedArgument
 from wsgen.xmlsyntax import find_excess
 
