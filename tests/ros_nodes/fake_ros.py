@@ -51,6 +51,7 @@ geometry_msgs/Point x:n y:n z:n
 geometry_msgs/Quaternion x:n y:n z:n w:n
 geometry_msgs/Pose position:Point orientation:Quaternion
 geometry_msgs/PoseArray header:Header poses:l
+geometry_msgs/PoseStamped header:Header pose:Pose
 geometry_msgs/PoseWithCovariance pose:Pose covariance:36
 geometry_msgs/Twist linear:Vector3 angular:Vector3
 geometry_msgs/TwistStamped header:Header twist:Twist

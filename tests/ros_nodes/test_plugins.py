@@ -212,7 +212,10 @@ def test_several_pairs_of_wheels() -> None:
     [
         ("", "0 left and 0 right joints for 1 pairs"),
         (f"{WHEELS}<num_wheel_pairs>2</num_wheel_pairs>", "for 2 pairs of wheels"),
-        (f"{WHEELS}<wheel_diameter>0</wheel_diameter>", "its <wheel_diameter> is 0"),
+        (
+            f"{WHEELS}<wheel_diameter>0</wheel_diameter>",
+            "<wheel_diameter> of its diff drive plugin is 0",
+        ),
         (f"{WHEELS}<publish_odom>yes</publish_odom>", "Write true or false"),
         (f"{WHEELS}<covariance_x>nan</covariance_x>", "its <covariance_x> is `nan`"),
     ],
@@ -428,6 +431,64 @@ def test_poses_of_gazebo_sim() -> None:
         "rover/right_wheel",
     ]
     assert links[0].transform.translation.x == pytest.approx(0.0)
+
+
+def test_single_poses_of_gazebo_sim() -> None:
+    """Without <use_pose_vector_msg> each pose is a message, as gz.msgs.Pose."""
+    poses = plugin("gz-sim-pose-publisher-system", "<update_frequency>10</update_frequency>")
+    simulation, ros = spawned(poses, simulator="gz", engine=rover_engine(still_at(1.0)))
+    topic = "/model/rover/pose"
+    bridged(ros, simulation, ("/t", topic, "geometry_msgs/msg/TransformStamped", "Pose"))
+    bridged(ros, simulation, ("/p", topic, "geometry_msgs/msg/PoseStamped", "Pose"))
+    simulation.advance(0.05)
+    assert [one.child_frame_id for one in ros.published("/t")] == [
+        "rover/base",
+        "rover/left_wheel",
+        "rover/right_wheel",
+    ]
+    assert [one.header.frame_id for one in ros.published("/p")] == ["rover"] * 3
+
+
+def test_static_poses_of_gazebo_sim() -> None:
+    """What joints move is on the one topic, all else on the other one."""
+    content = (
+        "<use_pose_vector_msg>true</use_pose_vector_msg><static_publisher>true</static_publisher>"
+        "<publish_model_pose>true</publish_model_pose><update_frequency>10</update_frequency>"
+        "<static_update_frequency>2</static_update_frequency><topic>/where</topic>"
+    )
+    poses = plugin("gz-sim-pose-publisher-system", content)
+    simulation, ros = spawned(poses, simulator="gz", engine=rover_engine(still_at(1.0)))
+    bridged(ros, simulation, ("/p", "/where", "tf2_msgs/msg/TFMessage", "Pose_V"))
+    bridged(ros, simulation, ("/s", "/where_static", "tf2_msgs/msg/TFMessage", "Pose_V"))
+    simulation.advance(0.95)
+    moving, static = ros.published("/p"), ros.published("/s")
+    assert (len(moving), len(static)) == (10, 2)
+    assert [one.child_frame_id for one in moving[0].transforms] == [
+        "rover/left_wheel",
+        "rover/right_wheel",
+    ]
+    assert [one.child_frame_id for one in static[0].transforms] == ["rover", "rover/base"]
+
+
+def test_the_torque_of_classic_is_there_instead_of_the_friction_of_the_joint() -> None:
+    """Engines here take the friction from what the motor gives; ODE has the one or the other."""
+    wheels = tuple(replace(joint, friction=2.0) for joint in ROVER.joints)
+    scene = live_scene(
+        plugin("libgazebo_ros_diff_drive.so", CLASSIC), robot=replace(ROVER, joints=wheels)
+    )
+    simulation, ros = simulation_of(scene)
+    simulation.spawn("rover")
+    ros.send("/cmd_vel", twist(0.5))
+    simulation.advance(0.02)
+    assert simulation.engine.motors["rover"]["left"].effort == 7.0
+
+
+def test_a_planar_move_without_a_rate_of_publishing_publishes_nothing() -> None:
+    """Its source looks at the other rate and divides by this one."""
+    content = "<publish_rate>0</publish_rate>"
+    simulation, ros = spawned(plugin("libgazebo_ros_planar_move.so", content))
+    simulation.advance(0.5)
+    assert not ros.published("/odom")
 
 
 def test_the_qos_of_a_plugin_is_that_of_its_element(monkeypatch: pytest.MonkeyPatch) -> None:

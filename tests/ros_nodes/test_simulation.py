@@ -108,7 +108,8 @@ def test_unknown_plugins_and_wrong_parameters_are_named_once() -> None:
     simulation.spawn("rover")
     unknown, drive, states = ros.warnings
     assert "`rover`: wsgen does not simulate the plugin `libmy_plugin.so`." in unknown
-    assert "`libgazebo_ros_diff_drive.so` does not work: the robot has no joint `lef`" in drive
+    assert "`libgazebo_ros_diff_drive.so` does not work: its diff drive plugin names the" in drive
+    assert "the joint `lef`, but the robot has no revolute or continuous joint" in drive
     assert "it names no joint of the robot" in states
 
 

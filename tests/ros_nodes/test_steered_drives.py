@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from ros_nodes.fake_ros import FakeRos
+    from wsgen.ros_nodes.simulator.plugins.ackermann import Car
 
 pytestmark = pytest.mark.usefixtures("messages")
 
@@ -108,6 +109,12 @@ def test_a_car_of_gazebo_sim_drives_a_curve() -> None:
         assert len(ros.published("/odom")) == 50 * 2.1
 
 
+def simple_car() -> Car:
+    from wsgen.ros_nodes.simulator.plugins.ackermann import Car  # noqa: PLC0415
+
+    return Car(wheel_base=1.0, separation=1.0, kingpins=0.8, radius=0.2, limit=0.5)
+
+
 @pytest.mark.parametrize(
     ("linear", "angular", "radius"),
     [
@@ -119,9 +126,7 @@ def test_a_car_of_gazebo_sim_drives_a_curve() -> None:
     ],
 )
 def test_steering_of_gazebo_sim(linear: float, angular: float, radius: float) -> None:
-    from wsgen.ros_nodes.simulator.plugins.ackermann import Car  # noqa: PLC0415
-
-    found = Car().steering(linear, angular)
+    found = simple_car().steering(linear, angular)
     assert found.left == pytest.approx(math.atan(1.0 / (radius - 0.4)))
     assert found.right == pytest.approx(math.atan(1.0 / (radius + 0.4)))
     middle = math.atan(1.0 / radius)
@@ -130,12 +135,11 @@ def test_steering_of_gazebo_sim(linear: float, angular: float, radius: float) ->
 
 
 def test_a_wheel_that_is_in_the_middle_of_the_turn_is_steered_by_a_quarter() -> None:
-    from wsgen.ros_nodes.simulator.plugins.ackermann import Car  # noqa: PLC0415
-
     nearest = 1.0 / math.sin(0.5)
-    assert Car(kingpins=2 * nearest).steering(0.0, 1.0).left == pytest.approx(math.pi / 2)
-    assert Car(kingpins=2 * nearest).steering(0.0, -1.0).right == pytest.approx(math.pi / 2)
-    wide = Car(separation=2.0 / math.tan(0.5))
+    car = simple_car()._replace(kingpins=2 * nearest)
+    assert car.steering(0.0, 1.0).left == pytest.approx(math.pi / 2)
+    assert car.steering(0.0, -1.0).right == pytest.approx(math.pi / 2)
+    wide = car._replace(separation=2.0 / math.tan(0.5))
     assert wide.steered(0.5)[0] == pytest.approx(math.pi / 2)
 
 

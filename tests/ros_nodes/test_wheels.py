@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from wsgen.ros_nodes.simulator.plugins.wheels import Limits, WheelOdometry
+from wsgen.ros_nodes.simulator.plugins.wheels import WheelOdometry
 
 
 def driven(left: float, right: float, seconds: float, step: float = 0.02) -> WheelOdometry:
@@ -40,20 +40,3 @@ def test_the_first_positions_are_where_it_begins() -> None:
     odometry.reset()
     odometry.update(20.0, 20.0, 0.0)
     assert odometry.x == 0.0
-
-
-@pytest.mark.parametrize(
-    ("limits", "wanted", "expected"),
-    [
-        (Limits(), 3.0, 3.0),
-        (Limits(fastest=0.5), 3.0, 0.5),
-        (Limits(slowest=-0.2), -3.0, -0.2),
-        (Limits(acceleration=2.0), 3.0, 1.2),
-        (Limits(braking=-5.0), -3.0, 0.5),
-        # It changed by 1 m/s² before, and may do so by 4 m/s² more after a tenth of a second.
-        (Limits(jerk=40.0), 3.0, 1.5),
-        (Limits(jerk=40.0, acceleration=3.0), 3.0, 1.3),
-    ],
-)
-def test_limits(limits: Limits, wanted: float, expected: float) -> None:
-    assert limits.next(wanted, last=1.0, before=0.9, seconds=0.1) == pytest.approx(expected)

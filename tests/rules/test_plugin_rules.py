@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from wsgen.diagnostics import Severity
-from wsgen.model.gazebo_plugins import OF_CLASSIC, PARAMETERS, PARTS, simulator_of, stem
-from wsgen.model.gazebo_systems import systems
+from wsgen.gazebo.plugins import OF_CLASSIC, PLUGINS, simulator_of, stem
+from wsgen.gazebo.systems import CONTROL, systems
 from wsgen.model.robot import GazeboTag, Joint, JointType, Plugin, Sensor
 from wsgen.rules.plugins import PluginFacts, check_plugins, simulator_meant
 
@@ -57,8 +57,13 @@ def laser(*sensors: Sensor, reference: str | None = "laser") -> GazeboTag:
 
 
 def test_the_tables_agree() -> None:
-    known = {*systems(), *OF_CLASSIC}
-    assert {*PARTS, *PARAMETERS} <= known
+    control = {"gazebo_ros2_control", *CONTROL}
+    assert PLUGINS.keys() <= {*systems(), *OF_CLASSIC, *control}
+    for name, one in PLUGINS.items():
+        named = {topic.parameter for topic in one.topics.values()} - {""}
+        assert {*one.joints, *one.links, *one.required, *named} <= {*one.parameters} or not (
+            one.parameters
+        ), name
     assert stem("libignition-gazebo-diff-drive-system.so") == "diff-drive"
     assert simulator_of("/opt/lib/libgazebo_ros_camera.so") == "classic"
     assert simulator_of("libmaker_plugin.so") is None

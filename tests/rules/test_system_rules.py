@@ -7,15 +7,10 @@ from pathlib import Path
 import pytest
 
 from wsgen.diagnostics import Severity
-from wsgen.model.gazebo_systems import (
+from wsgen.gazebo.systems import (
     DEFAULT_SYSTEMS,
-    SYSTEM_OF_SENSOR,
-    SYSTEMS_OF_PLUGIN,
     plugin_of,
-    systems,
 )
-from wsgen.ros_nodes.simulator.plugins import PLUGINS
-from wsgen.ros_nodes.simulator.sensors import SENSORS
 from wsgen.rules.systems import (
     missing_default_systems,
     missing_sensor_systems,
@@ -171,21 +166,3 @@ def test_the_hint_keeps_the_default_systems() -> None:
         hints[distro] = found.hint or ""
     assert hints["jazzy"].count("<plugin") == len(DEFAULT_SYSTEMS) + 1
     assert hints["kilted"].count("<plugin") == 1
-
-
-def test_the_tables_have_all_that_the_live_simulator_has() -> None:
-    """And nothing that it does not have, but for what Gazebo alone simulates."""
-    of_gazebo_alone = {
-        *("thermal", "thermal_camera", "segmentation", "segmentation_camera", "boundingbox"),
-        *("boundingbox_camera", "wideanglecamera", "wide_angle_camera", "air_speed"),
-        "logical_camera",
-    }
-    assert set(SENSORS) == set(SYSTEM_OF_SENSOR) - of_gazebo_alone
-    of_sim = {name for name in PLUGINS if not name.startswith("gazebo_ros")}
-    plugins_of_gazebo_alone = {
-        *("opticaltactileplugin", "touchplugin", "thermal-sensor", "camera-video-recorder"),
-    }
-    assert of_sim == set(SYSTEMS_OF_PLUGIN) - plugins_of_gazebo_alone
-    classes = {one for names in systems().values() for one in names}
-    needed = {name for names in SYSTEMS_OF_PLUGIN.values() for name in names}
-    assert {*SYSTEM_OF_SENSOR.values(), *needed, *DEFAULT_SYSTEMS} <= classes

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.model.gazebo_systems import remark_on, system_of, systems
+from wsgen.gazebo.systems import remark_on, system_of, systems
 from wsgen.rules.worlds import check_world
 from wsgen.sdf.source import read_document
 

@@ -128,6 +128,11 @@ def test_two_pairs_of_wheels() -> None:
     assert [pair.separation for pair in sim.pairs] == [0.5, 0.5]
 
 
+def test_gazebo_sim_turns_the_wheels_that_are_there() -> None:
+    drive = drive_of(SIM, f"{JOINTS}<left_joint>x</left_joint><right_joint>l</right_joint>")
+    assert [(pair.left, pair.right) for pair in drive.pairs] == [("l", "r"), ("l", "l")]
+
+
 def test_of_two_plugins_that_of_the_simulator_counts() -> None:
     both = robot((SIM, JOINTS), (CLASSIC, JOINTS))
     for simulator, expected in (("gz", "gz"), ("classic", "classic"), (None, "gz")):
@@ -154,6 +159,7 @@ def test_no_plugin() -> None:
         (SIM, "<left_joint>l</left_joint>", "names 1 left and 0 right joints"),
         (CLASSIC, JOINTS + JOINTS, "names 2 left and 2 right joints for 1 pairs of wheels"),
         (SIM, JOINTS.replace(">r<", ">x<"), "names the joint `x`"),
+        (CLASSIC, JOINTS + "<left_joint>x</left_joint>", "names the joint `x`"),
         (SIM, JOINTS.replace(">r<", ">f<"), "names the joint `f`"),
         (SIM, JOINTS + "<wheel_radius>0</wheel_radius>", "the <wheel_radius> of .* is 0"),
         (CLASSIC, JOINTS + "<wheel_diameter>-1</wheel_diameter>", "<wheel_diameter> .* is -1"),
@@ -181,6 +187,23 @@ def test_bounds() -> None:
     assert bound.next(0.0, 5.0, 10.0) == 2.0
     assert bound.next(2.0, 0.0, 0.1) == pytest.approx(1.6)
     assert bound.next(0.0, -5.0, 10.0) == -1.0
+
+
+@pytest.mark.parametrize(
+    ("bounds", "wanted", "expected"),
+    [
+        (Bounds(), 3.0, 3.0),
+        (Bounds(fastest=0.5), 3.0, 0.5),
+        (Bounds(slowest=-0.2), -3.0, -0.2),
+        (Bounds(acceleration=2.0), 3.0, 1.2),
+        (Bounds(braking=-5.0), -3.0, 0.5),
+        # It changed by 1 m/s² before, and may do so by 4 m/s² more after a tenth of a second.
+        (Bounds(jerk=40.0), 3.0, 1.5),
+        (Bounds(jerk=40.0, acceleration=3.0), 3.0, 1.3),
+    ],
+)
+def test_bounds_with_jerk(bounds: Bounds, wanted: float, expected: float) -> None:
+    assert bounds.next(1.0, wanted, 0.1, before=0.9) == pytest.approx(expected)
 
 
 def test_speeds_of_rims() -> None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Severity, has_errors
 from wsgen.files import write_file
+from wsgen.gazebo.systems import DEFAULT_SYSTEMS
 from wsgen.isolation.codec import encode
 from wsgen.launch import known_packages
 from wsgen.launch.evaluate import DISTRO_OF_LAUNCHES
@@ -30,7 +31,6 @@ from wsgen.live.missing_programs import (
 from wsgen.live.preparer import Preparer, serve
 from wsgen.live.recording import Recordings
 from wsgen.live.request import NodeServerRequest, ServiceRequest
-from wsgen.model.gazebo_systems import DEFAULT_SYSTEMS
 from wsgen.model.plan import LaunchRequest
 from wsgen.pipeline.changed_since_build import shares_of
 from wsgen.pipeline.package_validation import Validation, may_come_later

@@ -161,12 +161,28 @@ class Bounds:
     fastest: float = math.inf
     braking: float = -math.inf  # the lowest acceleration
     acceleration: float = math.inf
+    least_jerk: float = -math.inf  # of the acceleration; m/s³ or rad/s³
+    jerk: float = math.inf
 
-    def next(self, speed: float, wanted: float, seconds: float) -> float:
-        """The speed after so many seconds of going from one to the wanted one."""
-        target = min(self.fastest, max(self.slowest, wanted))
-        most, least = speed + self.acceleration * seconds, speed + self.braking * seconds
-        return min(most, max(least, target))
+    def next(
+        self, speed: float, wanted: float, seconds: float, before: float | None = None
+    ) -> float:
+        """The speed after so many seconds of going from one to the wanted one.
+
+        As `gz::math::SpeedLimiter` has it; without the speed before, jerk has no limits.
+        """
+        if seconds <= 0:
+            return _clamp(wanted, self.slowest, self.fastest)
+        new = (wanted - speed) / seconds
+        if before is not None:
+            old = (speed - before) / seconds
+            new = old + _clamp((new - old) / seconds, self.least_jerk, self.jerk) * seconds
+        new = _clamp(new, self.braking, self.acceleration)
+        return _clamp(speed + new * seconds, self.slowest, self.fastest)
+
+
+def _clamp(value: float, low: float, high: float) -> float:
+    return min(high, max(low, value))
 
 
 @dataclass(frozen=True, kw_only=True)

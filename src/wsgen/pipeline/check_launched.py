@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen import yamlfile
 from wsgen.files import read_regular, real_path
+from wsgen.gazebo.plugins import carried_by
 from wsgen.launch.commands import started_programs
 from wsgen.launch.descriptions import Description, published_descriptions, read_published
 from wsgen.launch.simulators import WORLD_SUFFIXES, simulator_kinds
-from wsgen.model.gazebo_plugins import carried_by
 from wsgen.rules import (
     bridges,
     controllers,

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.files import read_regular, real_path
+from wsgen.gazebo.plugins import CLASSIC, SIM
 from wsgen.launch.commands import started_launch_files, started_programs
 from wsgen.launch.simulators import simulator_kinds
-from wsgen.model.gazebo_plugins import CLASSIC, SIM
 from wsgen.rules.resource_paths import VARIABLES, SearchPath, mesh_packages, no_resource_path
 from wsgen.source_shares import may_have_sources
 from wsgen.workspace.layout import INSTALL_LAYOUT

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.gazebo.systems import DEFAULT_SYSTEMS, loaded_class
 from wsgen.launch.explain_missing import where_written
-from wsgen.model.gazebo_systems import DEFAULT_SYSTEMS, loaded_class
 from wsgen.rules.systems import (
     Need,
     Place,

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Severity, has_errors
-from wsgen.model.gazebo_plugins import carried_by
+from wsgen.gazebo.plugins import carried_by
 from wsgen.model.kinematics import link_poses, unactuated_joints
 from wsgen.model.robot import JointType, Mesh
 from wsgen.rules import runs

@@ -9,12 +9,12 @@ import math
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
+from wsgen.gazebo.plugins import CLASSIC, PLUGINS, stem
 from wsgen.model.behavior import DiffDrive
-from wsgen.model.gazebo_plugins import PARTS, stem
 from wsgen.model.robot import Cylinder, Sphere
 from wsgen.model.transform import IDENTITY, compose, rotate, rotation_of_rpy, transpose
 from wsgen.rules.robots import OVERSIZED, OVERSIZED_PART, poses_of
-from wsgen.urdf.diff_drive import CLASSIC, SIMULATORS, find_diff_drive
+from wsgen.urdf.diff_drive import SIMULATORS, find_diff_drive
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -175,7 +175,7 @@ def driven_pairs(robot: Robot) -> Iterator[tuple[str, str]]:
     """The joints that drive plugins turn, left and right."""
     for tag in robot.gazebo:
         for plugin in tag.plugins:
-            if stem(plugin.filename) not in PARTS or "driv" not in plugin.filename:
+            if stem(plugin.filename) not in PLUGINS or "driv" not in plugin.filename:
                 continue
             for left, right in _SIDES:
                 yield from zip(
@@ -279,8 +279,7 @@ def _plugins(robot: Robot) -> Iterator[tuple[Plugin, str]]:
     seen = set()
     for tag in robot.gazebo:
         for plugin in tag.plugins:
-            name = plugin.filename.rpartition("/")[2].removeprefix("lib").removesuffix(".so")
-            simulator = SIMULATORS.get(name)
+            simulator = SIMULATORS.get(stem(plugin.filename))
             if simulator is not None and simulator not in seen:
                 seen.add(simulator)
                 yield plugin, simulator

@@ -1,13 +1,11 @@
-"""The topics of Gazebo Sim that the plugins and sensors of robots and worlds have.
-
-Source of the default names: gazebosim/gz-sim, src/systems; gazebosim/gz-sensors.
-"""
+"""The topics of Gazebo Sim that the plugins and sensors of robots and worlds have."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.model.gazebo_systems import system_of
+from wsgen.gazebo.plugins import PLUGINS, SIM, GazeboPlugin, simulator_of, stem
+from wsgen.gazebo.sensors import SENSORS
 from wsgen.xmltree import child_text, children
 
 if TYPE_CHECKING:
@@ -23,71 +21,6 @@ class GazeboTopic(NamedTuple):
     type: str  # of gz.msgs
     is_published: bool  # by Gazebo; if not, it reads the topic
     owner: str  # "the sensor `lidar`"
-
-
-class _OfSystem(NamedTuple):
-    tag: str  # the child of <plugin> that names the topic; empty: nothing does
-    default: str  # with {model} and {world}
-    type: str
-    is_published: bool = True
-
-
-_DRIVE = (
-    _OfSystem("topic", "/model/{model}/cmd_vel", "Twist", is_published=False),
-    _OfSystem("odom_topic", "/model/{model}/odometry", "Odometry"),
-    _OfSystem("tf_topic", "/model/{model}/tf", "Pose_V"),
-)
-_SYSTEMS = {
-    "DiffDrive": _DRIVE,
-    "AckermannSteering": _DRIVE,
-    "MecanumDrive": _DRIVE,
-    "VelocityControl": (_DRIVE[0],),
-    "OdometryPublisher": (
-        _OfSystem("odom_topic", "/model/{model}/odometry", "Odometry"),
-        _OfSystem(
-            "odom_covariance_topic",
-            "/model/{model}/odometry_with_covariance",
-            "OdometryWithCovariance",
-        ),
-        _OfSystem("tf_topic", "/model/{model}/pose", "Pose_V"),
-    ),
-    "PosePublisher": (
-        _OfSystem("", "/model/{model}/pose", "Pose_V"),
-        _OfSystem("", "/model/{model}/pose_static", "Pose_V"),
-    ),
-    "JointStatePublisher": (
-        _OfSystem("topic", "/world/{world}/model/{model}/joint_state", "Model"),
-    ),
-}
-_LIDAR = (("", "LaserScan"), ("/points", "PointCloudPacked"))
-_DEPTH = (("", "Image"), ("/points", "PointCloudPacked"))
-_RGBD = (
-    ("/image", "Image"),
-    ("/depth_image", "Image"),
-    ("/points", "PointCloudPacked"),
-    ("/camera_info", "CameraInfo"),
-)
-
-
-class _OfSensor(NamedTuple):
-    default: str  # what ends the name of its own topic
-    topics: tuple[tuple[str, str], ...]  # what comes after its own topic, with the types
-    has_info: bool = False  # beside its own topic is a `camera_info`
-
-
-SENSORS = {
-    **dict.fromkeys(("gpu_lidar", "gpu_ray", "lidar", "ray"), _OfSensor("/scan", _LIDAR)),
-    "imu": _OfSensor("/imu", (("", "IMU"),)),
-    "camera": _OfSensor("/image", (("", "Image"),), has_info=True),
-    **dict.fromkeys(("depth", "depth_camera"), _OfSensor("/depth_image", _DEPTH, has_info=True)),
-    **dict.fromkeys(("rgbd", "rgbd_camera"), _OfSensor("", _RGBD)),
-    "contact": _OfSensor("/contact", (("", "Contacts"),)),
-    "force_torque": _OfSensor("/forcetorque", (("", "Wrench"),)),
-    "magnetometer": _OfSensor("/magnetometer", (("", "Magnetometer"),)),
-    "air_pressure": _OfSensor("/air_pressure", (("", "FluidPressure"),)),
-    "altimeter": _OfSensor("/altimeter", (("", "Altimeter"),)),
-    **dict.fromkeys(("navsat", "gps"), _OfSensor("/navsat", (("", "NavSat"),))),
-}
 
 
 def topics_of(root: Element, model: str | None, world: str | None) -> Iterator[GazeboTopic]:
@@ -108,12 +41,13 @@ def topics_of(root: Element, model: str | None, world: str | None) -> Iterator[G
 
 
 def _of_plugin(plugin: Element, names: dict[str, str | None]) -> Iterator[GazeboTopic]:
-    system = system_of(plugin.get("filename") or "")
-    for one in _SYSTEMS.get(system or "", ()):
-        written = child_text(plugin, one.tag)
-        name = _absolute(written) if written else _filled(one.default, names)
+    filename = plugin.get("filename") or ""
+    if simulator_of(filename) != SIM:
+        return
+    known = PLUGINS.get(stem(filename), GazeboPlugin())
+    for _, topic, name in known.topic_names(lambda tag: child_text(plugin, tag), names):
         if name is not None:
-            yield GazeboTopic(name, one.type, one.is_published, f"the plugin {system}")
+            yield GazeboTopic(name, topic.type, not topic.is_read, f"the plugin `{filename}`")
 
 
 def _of_sensor(sensor: Element, names: dict[str, str | None]) -> Iterator[GazeboTopic]:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
+from wsgen.gazebo.plugins import OF_CLASSIC, stem
+from wsgen.gazebo.systems import systems
 from wsgen.launch.commands import started_launch_files, started_programs
 from wsgen.launch.descriptions import PUBLISHER
 from wsgen.launch.simulators import CLASSIC, GZ, simulator_kinds
-from wsgen.model.gazebo_plugins import OF_CLASSIC, stem
-from wsgen.model.gazebo_systems import systems
 from wsgen.rules.bridges import TO_GZ, find_bridges
 from wsgen.rules.simulators import BRIDGES
 from wsgen.suggestions import some_of

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
+from wsgen.gazebo.plugins import PLUGINS
 from wsgen.launch.commands import started_launch_files, started_programs
 from wsgen.rules.bridges import FROM_GZ, TO_GZ, absolute
 from wsgen.rules.controllers import managed_controllers
@@ -61,8 +62,9 @@ _SILENT = frozenset(
 )
 # Drives of Gazebo Classic that read Twist on `cmd_vel`.
 _CLASSIC = frozenset(
-    f"libgazebo_ros_{name}.so"
-    for name in ("diff_drive", "planar_move", "ackermann_drive", "tricycle_drive")
+    f"lib{name}.so"
+    for name, plugin in PLUGINS.items()
+    if any(topic.is_read and topic.type == TWIST for topic in plugin.topics.values())
 )
 
 

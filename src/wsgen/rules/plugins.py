@@ -1,7 +1,7 @@
 """Rules about the plugins and sensors in the `<gazebo>` elements of a robot.
 
 The parameters of a check are facts; a check yields what it reports. What is known about plugins is
-in `wsgen.model.gazebo_plugins`.
+in `wsgen.gazebo.plugins`.
 """
 
 from __future__ import annotations
@@ -10,20 +10,19 @@ import re
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
-from wsgen.model.gazebo_plugins import (
+from wsgen.gazebo.plugins import (
     CLASSIC,
     FROM_ROS_1,
     OF_CLASSIC,
     OF_THE_OTHER,
-    PARAMETERS,
-    PARTS,
+    PLUGINS,
     SIM,
     SIMULATOR_NAMES,
-    Parts,
+    GazeboPlugin,
     simulator_of,
     stem,
 )
-from wsgen.model.gazebo_systems import remark_on
+from wsgen.gazebo.systems import remark_on
 from wsgen.model.robot import JointType
 from wsgen.suggestions import did_you_mean, nearest, some_of
 from wsgen.values import lazy_pattern
@@ -92,7 +91,7 @@ def driven_joints(tags: Iterable[GazeboTag]) -> set[str]:
         for tag in tags
         for plugin in tag.plugins
         if "driv" in stem(plugin.filename)
-        for key in PARTS.get(stem(plugin.filename), Parts()).joints
+        for key in PLUGINS.get(stem(plugin.filename), GazeboPlugin()).joints
         if "steer" not in key
         for name in plugin.values.get(key, ())
     }
@@ -301,9 +300,11 @@ def plugin_parts(plugin: Plugin, facts: PluginFacts, file: Path | None) -> Itera
             "controller manager without them.",
             hint="Add <parameters>$(find PACKAGE)/config/controllers.yaml</parameters>.",
         )
-    known = PARTS.get(stem(plugin.filename))
+    known = PLUGINS.get(stem(plugin.filename))
     # A parameter of ROS 1 is reported as such.
-    if known is None or any(_snake(key) != key for key in plugin.values if _snake(key) in known[0]):
+    if known is None or any(
+        _snake(key) != key for key in plugin.values if _snake(key) in known.joints
+    ):
         return
     place = f"gazebo/plugin[@filename='{plugin.filename}']"
     yield from _joints_in_vain(plugin, known.joints, facts, file)
@@ -320,7 +321,7 @@ def plugin_parts(plugin: Plugin, facts: PluginFacts, file: Path | None) -> Itera
                 place,
                 message=f"The plugin `{plugin.filename}` has no <{key}>: it does nothing without "
                 "it.",
-                hint=f"Add <{key}>JOINT</{key}>.",
+                hint=f"Add <{key}>{'JOINT' if key in known.joints else '…'}</{key}>.",
             )
 
 
@@ -404,7 +405,7 @@ UNREAD_PLUGIN_PARAMETER = Rule(
 def unread_parameters(plugin: Plugin, file: Path | None) -> Iterator[Diagnostic]:
     """Report parameters that the plugin does not know."""
     name = stem(plugin.filename)
-    known = PARAMETERS.get(name, ())
+    known = PLUGINS.get(name, GazeboPlugin()).parameters
     of_ros_2 = name in OF_CLASSIC or name == "gazebo_ros2_control"
     if not known and not of_ros_2:
         return

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
-from wsgen.model.gazebo_plugins import CLASSIC, SIM, SIMULATOR_NAMES
+from wsgen.gazebo.plugins import CLASSIC, SIM, SIMULATOR_NAMES
 from wsgen.suggestions import some_of
 from wsgen.values import lazy_pattern
 

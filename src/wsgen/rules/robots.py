@@ -9,6 +9,7 @@ import math
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
+from wsgen.gazebo.plugins import ROS_1_PLUGINS
 from wsgen.model.inertia import as_attributes, if_filled, principal_moments
 from wsgen.model.robot import (
     Box,
@@ -51,26 +52,6 @@ LOOSE = {
     None: "`{}` falls off in Gazebo Classic, and Gazebo Sim refuses the robot",
     "classic": "`{}` falls off",
     "gz": "Gazebo Sim refuses the robot, because `{}` is placed relative to it",
-}
-# Plugin libraries that no ROS 2 release has, with what took their place.
-ROS_1_PLUGINS = {
-    "gazebo_ros_control": "libgazebo_ros2_control.so with <ros2_control> tags",
-    "gazebo_ros_skid_steer_drive": "libgazebo_ros_diff_drive.so with two wheel pairs",
-    "gazebo_ros_laser": "libgazebo_ros_ray_sensor.so",
-    "gazebo_ros_gpu_laser": "libgazebo_ros_ray_sensor.so",
-    "gazebo_ros_block_laser": "libgazebo_ros_ray_sensor.so",
-    "gazebo_ros_range": "libgazebo_ros_ray_sensor.so",
-    "gazebo_ros_imu": "libgazebo_ros_imu_sensor.so",
-    "gazebo_ros_depth_camera": "libgazebo_ros_camera.so",
-    "gazebo_ros_openni_kinect": "libgazebo_ros_camera.so",
-    "gazebo_ros_multicamera": "libgazebo_ros_camera.so",
-    "gazebo_ros_f3d": "libgazebo_ros_ft_sensor.so",
-    "gazebo_ros_joint_pose_trajectory_plugin": "libgazebo_ros_joint_pose_trajectory.so",
-    "gazebo_ros_joint_trajectory": "libgazebo_ros_joint_pose_trajectory.so",
-    "gazebo_mimic_joint_plugin": "<mimic> with gazebo_ros2_control",
-    "roboticsgroup_gazebo_mimic_joint_plugin": "<mimic> with gazebo_ros2_control",
-    "hector_gazebo_ros_imu": "libgazebo_ros_imu_sensor.so",
-    "hector_gazebo_ros_gps": "libgazebo_ros_gps_sensor.so",
 }
 
 

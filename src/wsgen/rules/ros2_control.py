@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
-from wsgen.model.gazebo_systems import control_library
+from wsgen.gazebo.systems import control_library
 from wsgen.model.robot import JointType
 from wsgen.suggestions import did_you_mean, nearest
 

@@ -1,7 +1,7 @@
 """The rules about the systems of Gazebo Sim that a world loads, and what works only with them.
 
 Source: gazebosim/gz-sim, src/SimulationRunner.cc (which systems a world has), src/systems (what
-they do). The names are in `wsgen.model.gazebo_systems`.
+they do). The names are in `wsgen.gazebo`.
 """
 
 from __future__ import annotations
@@ -9,12 +9,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
-from wsgen.model.gazebo_plugins import SIMULATOR_NAMES, stem
-from wsgen.model.gazebo_systems import (
+from wsgen.gazebo.plugins import PLUGINS, SIMULATOR_NAMES, GazeboPlugin, stem
+from wsgen.gazebo.sensors import SYSTEM_OF_SENSOR
+from wsgen.gazebo.systems import (
     DEFAULT_SYSTEMS,
     OF_SHIPPED_WORLDS,
-    SYSTEM_OF_SENSOR,
-    SYSTEMS_OF_PLUGIN,
     WITH_MERGED_DEFAULTS,
     is_of_classic,
     loaded_class,
@@ -173,7 +172,7 @@ def needs_of(root: Element, distro: str | None) -> Iterator[Need]:
             yield Need(SYSTEM_OF_SENSOR[kind], f"the sensor `{sensor.get('name')}`")
     for plugin in root.iter("plugin"):
         filename = plugin.get("filename") or ""
-        for system in SYSTEMS_OF_PLUGIN.get(stem(filename), ()):
+        for system in PLUGINS.get(stem(filename), GazeboPlugin()).needs:
             yield Need(system, f"the plugin `{filename}`")
 
 

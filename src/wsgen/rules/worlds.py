@@ -8,8 +8,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
+from wsgen.gazebo.systems import is_of_classic, is_of_gz, remark_on
 from wsgen.model.facts import DISTROS
-from wsgen.model.gazebo_systems import is_of_classic, is_of_gz, remark_on
 from wsgen.model.target import Target
 from wsgen.rules.materials import WITHOUT_COLOR_NAMES
 from wsgen.rules.systems import (

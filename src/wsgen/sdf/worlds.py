@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen import xmltree
 from wsgen.diagnostics import Rule, Severity
-from wsgen.model.gazebo_plugins import carries
-from wsgen.model.gazebo_systems import is_of_gz
+from wsgen.gazebo.plugins import carries
+from wsgen.gazebo.systems import is_of_gz
 from wsgen.model.transform import rotate, rotation_of_rpy
 from wsgen.model.world import SUN_COLOR, SUN_DIRECTION, PlacedModel, World
 from wsgen.sdf.includes import GROUND_PLANE, GROUND_PLANE_FRICTION, SUN, is_sun

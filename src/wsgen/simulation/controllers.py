@@ -73,13 +73,10 @@ class DiffDriveController:
         return motors
 
     def _motor(self, name: str, speed: float) -> Motor:
-        """Gazebo Classic has no limits for a joint that has a motor, Gazebo Sim those of the joint.
-
-        The one sets ODE's `vel` and `fmax`, the other the command of a DART servo.
-        """
+        joint = self._joints[name]
         if self._drive.torque is not None:
-            return Motor(speed, self._drive.torque)
-        return limited_motor(self._joints[name], speed)
+            return ode_motor(joint, speed, self._drive.torque)
+        return limited_motor(joint, speed)
 
 
 class PositionController:
@@ -128,6 +125,15 @@ def _rest(joint: Joint, target: float | None) -> float:
 
 def _towards(joint: Joint, positions: Mapping[str, float], target: float) -> Motor:
     return limited_motor(joint, GAIN * (target - positions[joint.name]))
+
+
+def ode_motor(joint: Joint, speed: float, torque: float) -> Motor:
+    """The motor of a joint whose `vel` and `fmax` a plugin of Gazebo Classic sets.
+
+    The limits of the joint do not count. ODE has one `fmax` in a joint, which was its friction
+    before: engines here have both.
+    """
+    return Motor(speed, torque + joint.friction)
 
 
 def limited_motor(joint: Joint, speed: float) -> Motor:

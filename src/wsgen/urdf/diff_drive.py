@@ -1,7 +1,7 @@
-"""The differential drive that a robot's `<gazebo><plugin>` describes.
+"""The differential drive that a robot's `<gazebo><plugin>` describes, for checks and live runs.
 
-Names and defaults are those of `gazebo_ros_diff_drive.cpp` (gazebo_plugins, Humble and Iron) and of
-`DiffDrive.cc` (gz-sim, Fortress to Jetty).
+How they read it: `gazebo_ros_diff_drive.cpp` (gazebo_plugins, Humble and Iron) and `DiffDrive.cc`
+(gz-sim, Fortress to Jetty).
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.gazebo.plugins import CLASSIC, PLUGINS, SIM, SIMULATOR_NAMES, TWO_WHEELS, stem
 from wsgen.model.behavior import Bounds, DiffDrive, WheelPair
 from wsgen.urdf.values import leading_float
 
@@ -17,17 +18,11 @@ if TYPE_CHECKING:
 
     from wsgen.model.robot import Plugin, Robot
 
+    Values = Mapping[str, tuple[str, ...]]  # parameter -> its texts
 
-CLASSIC, SIM = "classic", "gz"
-SIMULATORS = {
-    "gazebo_ros_diff_drive": CLASSIC,
-    "gz-sim-diff-drive-system": SIM,
-    "ignition-gazebo-diff-drive-system": SIM,
-}
-# What the plugins take for what is not written: m, m, N m.
-SEPARATION = {CLASSIC: 0.34, SIM: 1.0}
-RADIUS = {CLASSIC: 0.075, SIM: 0.2}
-TORQUE = 5.0
+
+SIMULATORS = {"gazebo_ros_diff_drive": CLASSIC, "diff-drive": SIM}  # by `stem`
+_STEMS = {simulator: name for name, simulator in SIMULATORS.items()}
 
 
 class NoDrive(NamedTuple):
@@ -56,21 +51,20 @@ def find_diff_drive(robot: Robot, *, simulator: str | None = None) -> DiffDrive 
         return ABSENT
     suited = [one for one in found if simulator in (None, one[0])]
     if not suited:
-        there = {CLASSIC: "Gazebo Classic", SIM: "Gazebo Sim"}
         return NoDrive(
-            f"its diff drive plugin is for {there[found[0][0]]}, but the launch file starts "
-            f"{there[simulator or CLASSIC]}",
+            f"its diff drive plugin is for {SIMULATOR_NAMES[found[0][0]]}, but the launch file "
+            f"starts {SIMULATOR_NAMES[simulator or CLASSIC]}",
             "Use the diff drive plugin of that simulator.",
         )
     kind, plugin = suited[0]
     try:
-        return _read(kind, plugin, robot)
-    except _UnusableError as error:
+        return read_drive(kind, plugin.values, robot)
+    except UnusableError as error:
         return error.why
 
 
-class _UnusableError(Exception):
-    """The plugin cannot work; never leaves this module."""
+class UnusableError(Exception):
+    """The plugin cannot work."""
 
     def __init__(self, reason: str, hint: str) -> None:
         super().__init__(reason)
@@ -80,96 +74,125 @@ class _UnusableError(Exception):
 def _plugins(robot: Robot) -> Iterator[tuple[str, Plugin]]:
     for tag in robot.gazebo:
         for plugin in tag.plugins:
-            name = plugin.filename.rpartition("/")[2].removeprefix("lib").removesuffix(".so")
-            if name in SIMULATORS:
+            if (name := stem(plugin.filename)) in SIMULATORS:
                 yield SIMULATORS[name], plugin
 
 
-def _read(kind: str, plugin: Plugin, robot: Robot) -> DiffDrive:
-    values = plugin.values
-    pairs = tuple(_pairs(kind, values))
-    movable = {joint.name for joint in robot.movable_joints} if not robot.is_static else set()
-    for pair in pairs:
-        for joint in (pair.left, pair.right):
-            if joint not in movable:
-                raise _UnusableError(
-                    f"its diff drive plugin names the joint `{joint}`, but the robot has no "
-                    "revolute or continuous joint of that name",
-                    "Write the names of the wheel joints in <left_joint> and <right_joint>.",
-                )
+def read_drive(kind: str, values: Values, robot: Robot) -> DiffDrive:
+    """The drive of a robot, lumped or not, that a plugin for a simulator describes.
+
+    Raises:
+        UnusableError: It cannot work.
+    """
+    pairs = tuple(_pairs(kind, values, robot))
     grip = robot.least_grip([joint for pair in pairs for joint in (pair.left, pair.right)])
     if kind == CLASSIC:
-        most = _number(values, "max_wheel_acceleration", 0.0) or math.inf
+        most = _number(kind, values, "max_wheel_acceleration") or math.inf
         return DiffDrive(
             simulator=kind,
             pairs=pairs,
             grip=grip,
-            torque=_number(values, "max_wheel_torque", TORQUE),
+            torque=_number(kind, values, "max_wheel_torque"),
             rim=Bounds(braking=-most, acceleration=most),
         )
     return DiffDrive(
         simulator=kind,
         pairs=pairs,
         grip=grip,
-        linear=_bounds(values, "linear"),
-        angular=_bounds(values, "angular"),
+        linear=read_bounds(values, "linear_"),
+        angular=read_bounds(values, "angular_"),
     )
 
 
-def _pairs(kind: str, values: Mapping[str, tuple[str, ...]]) -> Iterator[WheelPair]:
-    left, right = values.get("left_joint", ()), values.get("right_joint", ())
-    count = max(1, round(_number(values, "num_wheel_pairs", 1.0))) if kind == CLASSIC else len(left)
-    if not left or not right or len(left) != len(right) or len(left) != count:
-        raise _UnusableError(
+def _pairs(kind: str, values: Values, robot: Robot) -> Iterator[WheelPair]:
+    left, right = (tuple(_wheels(kind, side, values, robot)) for side in TWO_WHEELS)
+    count = max(len(left), len(right))
+    if kind == CLASSIC:
+        count = max(1, int(_number(kind, values, "num_wheel_pairs")))
+    if not left or not right or (kind == CLASSIC and not len(left) == len(right) == count):
+        raise UnusableError(
             f"its diff drive plugin names {len(left)} left and {len(right)} right joints"
             + (f" for {count} pairs of wheels" if kind == CLASSIC else ""),
             "Write one <left_joint> and one <right_joint> for each pair of wheels"
             + (", and the number of pairs in <num_wheel_pairs>." if kind == CLASSIC else "."),
         )
     size, share = ("wheel_diameter", 0.5) if kind == CLASSIC else ("wheel_radius", 1.0)
-    for index, (one, other) in enumerate(zip(left, right, strict=True)):
-        # Gazebo Sim has one size for all pairs.
+    for index in range(count):
+        # Gazebo Sim has one size for all wheels, which need not be as many on both sides.
         at = index if kind == CLASSIC else 0
         yield WheelPair(
-            left=one,
-            right=other,
-            separation=_size(values, "wheel_separation", SEPARATION[kind], at),
-            radius=_size(values, size, RADIUS[kind] / share, at) * share,
+            left=left[min(index, len(left) - 1)],
+            right=right[min(index, len(right) - 1)],
+            separation=_size(kind, values, "wheel_separation", at),
+            radius=_size(kind, values, size, at) * share,
         )
 
 
-def _size(values: Mapping[str, tuple[str, ...]], key: str, default: float, at: int) -> float:
-    size = _number(values, key, default, at)
+def _wheels(kind: str, side: str, values: Values, robot: Robot) -> Iterator[str]:
+    """The joints of one side.
+
+    Gazebo Classic's plugin does not work if one is not there; that of Gazebo Sim names it and turns
+    the others.
+    """
+    movable = set() if robot.is_static else {joint.name for joint in robot.movable_joints}
+    named = values.get(side, ())
+    missing = next((joint for joint in named if joint not in movable), None)
+    there = [joint for joint in named if joint in movable]
+    if missing is not None and (kind == CLASSIC or not there):
+        raise UnusableError(
+            f"its diff drive plugin names the joint `{missing}`, but the robot has no revolute or "
+            "continuous joint of that name",
+            "Write the names of the wheel joints in <left_joint> and <right_joint>.",
+        )
+    yield from there
+
+
+def _size(kind: str, values: Values, key: str, at: int) -> float:
+    size = _number(kind, values, key, at)
     if not size > 0:
-        raise _UnusableError(
+        raise UnusableError(
             f"the <{key}> of its diff drive plugin is {size:g}", "Write a length in meters."
         )
     return size
 
 
-def _number(values: Mapping[str, tuple[str, ...]], key: str, default: float, at: int = 0) -> float:
+def _number(kind: str, values: Values, key: str, at: int = 0) -> float:
     texts = values.get(key, ())
     if at >= len(texts):
+        default = PLUGINS[_STEMS[kind]].parameters[key]
+        assert isinstance(default, float), key  # noqa: S101  the table says so
         return default
-    number = leading_float(texts[at])
+    return _read_number(key, texts[at])
+
+
+def _read_number(key: str, text: str) -> float:
+    number = leading_float(text)
     if number is None or not math.isfinite(number):
-        raise _UnusableError(
-            f"the <{key}> of its diff drive plugin is `{texts[at][:60]}`, which is not a number",
+        raise UnusableError(
+            f"the <{key}> of its diff drive plugin is `{text[:60]}`, which is not a number",
             "Write one number with a decimal point.",
         )
     return number
 
 
-def _bounds(values: Mapping[str, tuple[str, ...]], motion: str) -> Bounds:
-    """What Gazebo Sim allows; a key without the kind of motion is for both."""
+def read_bounds(values: Values, motion: str = "") -> Bounds:
+    """What a drive of Gazebo Sim allows; a key without the kind of motion is for both.
 
-    def bound(side: str, what: str, default: float) -> float:
-        both = _number(values, f"{side}_{what}", default)
-        return _number(values, f"{side}_{motion}_{what}", both)
+    Raises:
+        UnusableError: A bound is not a number.
+    """
+
+    def bound(side: str, what: str) -> float:
+        for key in (f"{side}_{motion}{what}", f"{side}_{what}"):
+            if values.get(key):
+                return _read_number(key, values[key][0])
+        return -math.inf if side == "min" else math.inf
 
     return Bounds(
-        slowest=bound("min", "velocity", -math.inf),
-        fastest=bound("max", "velocity", math.inf),
-        braking=bound("min", "acceleration", -math.inf),
-        acceleration=bound("max", "acceleration", math.inf),
+        slowest=bound("min", "velocity"),
+        fastest=bound("max", "velocity"),
+        braking=bound("min", "acceleration"),
+        acceleration=bound("max", "acceleration"),
+        least_jerk=bound("min", "jerk"),
+        jerk=bound("max", "jerk"),
     )

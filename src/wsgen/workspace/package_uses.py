@@ -13,6 +13,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.files import irregular_kind, real_path
+from wsgen.gazebo.plugins import OF_CLASSIC
 from wsgen.launch.imported_packages import (
     MESSAGES,
     certain_nodes,
@@ -24,7 +25,6 @@ from wsgen.launch.imported_packages import (
     packages_of_launch_file,
 )
 from wsgen.markup import read_text, without_comments
-from wsgen.model.gazebo_plugins import OF_CLASSIC
 from wsgen.pythontree import parse
 from wsgen.values import lazy_pattern
 

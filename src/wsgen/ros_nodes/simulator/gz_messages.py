@@ -57,8 +57,8 @@ PAIRS: dict[str, tuple[str, ...]] = {
     "Param_V": ("ros_gz_interfaces/ParamVec",),
     "PointCloudPacked": ("sensor_msgs/PointCloud2",),
     "Pose": (
-        *("geometry_msgs/PoseStamped", "geometry_msgs/Pose", "geometry_msgs/Transform"),
-        "geometry_msgs/TransformStamped",
+        *("geometry_msgs/TransformStamped", "geometry_msgs/PoseStamped", "geometry_msgs/Pose"),
+        "geometry_msgs/Transform",
     ),
     "PoseWithCovariance": (
         *("geometry_msgs/PoseWithCovarianceStamped", "geometry_msgs/PoseWithCovariance"),
@@ -145,8 +145,14 @@ def _pose(stamped: Any) -> Any:
     return pose
 
 
-def _unstamped_pose(message: Any) -> Any:
-    return message.pose
+def _stamped_pose(stamped: Any) -> Any:
+    made = _new("geometry_msgs/PoseStamped")
+    made.header, made.pose = stamped.header, _pose(stamped)
+    return made
+
+
+def _unstamped_transform(message: Any) -> Any:
+    return message.transform
 
 
 def _unstamped_wrench(message: Any) -> Any:
@@ -169,7 +175,9 @@ _CONVERSIONS: dict[tuple[str, str], Callable[[Any], Any]] = {
     ("geometry_msgs/TwistStamped", "geometry_msgs/Twist"): _unstamped_twist,
     ("geometry_msgs/Twist", "geometry_msgs/TwistStamped"): _stamped_twist,
     ("tf2_msgs/TFMessage", "geometry_msgs/PoseArray"): _pose_array,
-    ("geometry_msgs/PoseStamped", "geometry_msgs/Pose"): _unstamped_pose,
+    ("geometry_msgs/TransformStamped", "geometry_msgs/PoseStamped"): _stamped_pose,
+    ("geometry_msgs/TransformStamped", "geometry_msgs/Pose"): _pose,
+    ("geometry_msgs/TransformStamped", "geometry_msgs/Transform"): _unstamped_transform,
     ("geometry_msgs/WrenchStamped", "geometry_msgs/Wrench"): _unstamped_wrench,
     ("geometry_msgs/Wrench", "geometry_msgs/WrenchStamped"): _stamped_wrench,
 }

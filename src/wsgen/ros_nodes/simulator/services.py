@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from rosgraph_msgs.msg import Clock
 
-from wsgen.model.gazebo_systems import plugin_of
+from wsgen.gazebo.systems import plugin_of
 from wsgen.ros_nodes.simulator.gz_messages import message_class
 from wsgen.ros_nodes.simulator.host import Due, Plugin
 from wsgen.ros_nodes.simulator.messages import NOT_FINITE, move, pose_of

@@ -8,14 +8,14 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from wsgen.model.devices import Devices, in_namespace
-from wsgen.model.gazebo_plugins import stem
-from wsgen.model.gazebo_systems import (
+from wsgen.gazebo.plugins import stem
+from wsgen.gazebo.sensors import SYSTEM_OF_SENSOR
+from wsgen.gazebo.systems import (
     DEFAULT_SYSTEMS,
-    SYSTEM_OF_SENSOR,
     loaded_class,
     plugin_of,
 )
+from wsgen.model.devices import Devices, in_namespace
 from wsgen.ros_nodes.simulator.host import CannotWorkError, Due, Host, RobotHandle
 from wsgen.ros_nodes.simulator.names import BadNameError
 from wsgen.ros_nodes.simulator.plugins import DONE_BY_SIMULATOR, PLUGINS, WORLD_PLUGINS

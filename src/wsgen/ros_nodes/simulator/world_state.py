@@ -29,7 +29,7 @@ from wsgen.model.transform import (
     rotation_of_rpy,
     transpose,
 )
-from wsgen.ros_nodes.simulator.elements import number
+from wsgen.ros_nodes.simulator.elements import number, topics_of
 from wsgen.ros_nodes.simulator.host import Plugin
 from wsgen.ros_nodes.simulator.messages import (
     NOT_FINITE,
@@ -126,13 +126,14 @@ class WorldState(Plugin):
 
     def __init__(self, host: Host, _: None, element: Element) -> None:
         self._host = host
-        rate = number(element, "update_rate", 100.0)
+        rate = number(element, "update_rate")
         self.period = 1 / rate if rate > 0 else host.step_seconds
         self._node = host.node(name=element.attributes.get("name"), ros=element.find("ros"))
         host.service(None, GetEntityState, "get_entity_state", self._get, node=self._node)
         host.service(None, SetEntityState, "set_entity_state", self._set, node=self._node)
-        self._models = host.publisher(None, ModelStates, "model_states", node=self._node, depth=1)
-        self._links = host.publisher(None, LinkStates, "link_states", node=self._node, depth=1)
+        topics, node = topics_of(host, None, element), self._node
+        self._models = host.publisher(None, ModelStates, topics["models"], node=node, depth=1)
+        self._links = host.publisher(None, LinkStates, topics["links"], node=node, depth=1)
 
     def update(self) -> None:
         """Publish where everything is."""

@@ -1,6 +1,6 @@
 """The plugins of Gazebo that the simulator has, one module each.
 
-A name is that of `wsgen.model.gazebo_plugins.stem`: the file name of the library without what
+A name is that of `wsgen.gazebo.plugins.stem`: the file name of the library without what
 systems put around it. The class follows its module, which is imported when a robot has the plugin.
 """
 

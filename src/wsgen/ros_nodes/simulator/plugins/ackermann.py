@@ -12,18 +12,16 @@ import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from geometry_msgs.msg import TransformStamped, Twist
-from nav_msgs.msg import Odometry
 from std_msgs.msg import Float32, Float64
 from tf2_msgs.msg import TFMessage
 
 from wsgen.model.robot import Cylinder, Sphere
 from wsgen.model.transform import compose, invert
-from wsgen.ros_nodes.simulator.elements import boolean, number, vector
+from wsgen.ros_nodes.simulator.elements import boolean, number, text, topics_of, vector
 from wsgen.ros_nodes.simulator.host import CannotWorkError, Plugin
 from wsgen.ros_nodes.simulator.messages import (
     can_follow_twist,
     in_heading,
-    planar_covariance,
     set_pose,
     set_transform,
     set_transform_to,
@@ -31,10 +29,10 @@ from wsgen.ros_nodes.simulator.messages import (
     yaw_of,
 )
 from wsgen.ros_nodes.simulator.pid import Gains, GzPid
-from wsgen.ros_nodes.simulator.plugins.actuators import (
-    TOPIC,
-    actuator_number,
-    listen_to_actuator,
+from wsgen.ros_nodes.simulator.plugins.actuators import actuator_number, listen_to_actuator
+from wsgen.ros_nodes.simulator.plugins.classic_odometry import (
+    classic_odometry,
+    classic_publishers,
 )
 from wsgen.ros_nodes.simulator.plugins.gz_drive import (
     DrivePublisher,
@@ -109,11 +107,11 @@ class Steering(NamedTuple):
 class Car(NamedTuple):
     """The measures of a car, m and rad."""
 
-    wheel_base: float = 1.0  # from the front axle to the rear one
-    separation: float = 1.0  # of the wheels
-    kingpins: float = 0.8  # distance of the axes about which front wheels are steered
-    radius: float = 0.2  # of wheels
-    limit: float = 0.5  # of the steering
+    wheel_base: float  # from the front axle to the rear one
+    separation: float  # of the wheels
+    kingpins: float  # distance of the axes about which front wheels are steered
+    radius: float  # of wheels
+    limit: float  # of the steering
 
     def steering(self, linear: float, angular: float) -> Steering:
         """For a speed ahead (m/s) and a turn (rad/s), within the limit of the steering."""
@@ -151,21 +149,21 @@ class GzAckermann(Plugin):
 
     def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
         self._host, self._robot = host, robot
-        actuator = actuator_number(host, robot, element)
-        self._steers_only = actuator is not None or boolean(element, "steering_only", default=False)
+        element, actuator = actuator_number(host, robot, element)
+        self._steers_only = actuator is not None or boolean(element, "steering_only")
         tags = ("left_steering_joint", "right_steering_joint")
-        self._steered = driven_joints(robot, element, *tags)
+        self._steered = driven_joints(host, robot, element, *tags)
         self._driven: list[list[Joint]] = []
         if not self._steers_only:
-            self._driven = driven_joints(robot, element, "left_joint", "right_joint")
+            self._driven = driven_joints(host, robot, element, "left_joint", "right_joint")
         self._car = Car(
-            wheel_base=length(element, "wheel_base", 1.0),
-            separation=number(element, "wheel_separation", 1.0),
-            kingpins=number(element, "kingpin_width", 0.8),
-            radius=1.0 if self._steers_only else length(element, "wheel_radius", 0.2),
+            wheel_base=length(element, "wheel_base"),
+            separation=number(element, "wheel_separation"),
+            kingpins=number(element, "kingpin_width"),
+            radius=1.0 if self._steers_only else length(element, "wheel_radius"),
             limit=_steering_limit(element),
         )
-        self._gain = number(element, "steer_p_gain", 1.0)
+        self._gain = number(element, "steer_p_gain")
         self._limits = limits(element)
         is_slow = self._gain * host.update_seconds <= SLOW_STEERING
         self._control = Timer(host.update_seconds if is_slow else host.step_seconds, host.now)
@@ -177,13 +175,9 @@ class GzAckermann(Plugin):
         self._begin()
 
     def _listen(self, element: Element, actuator: int | None) -> None:
-        host, robot, model = self._host, self._robot, f"/model/{self._robot.entity}"
-        default = f"{model}/{'steer_angle' if self._steers_only else 'cmd_vel'}"
-        if actuator is not None:
-            default = TOPIC
-        if element.get("sub_topic"):
-            default = f"{model}/{element.get('sub_topic')}"
-        self._topic = element.get("topic") or default
+        host, robot = self._host, self._robot
+        use = "angle" if self._steers_only else "command"
+        self._topic = topics_of(host, robot, element)[use if actuator is None else "actuators"]
         if actuator is not None:
             listen_to_actuator(host, robot, self._topic, ("position", actuator), self._take_angle)
         elif self._steers_only:
@@ -230,7 +224,7 @@ class GzAckermann(Plugin):
         seconds = self._host.now - self._updated or self._control.period
         self._updated = self._host.now
         linear, angular = (
-            self._limits.next(wanted, last, before, seconds)
+            self._limits.next(last, wanted, seconds, before)
             for wanted, last, before in zip(self._wanted, self._last, self._before, strict=True)
         )
         motors: dict[str, Motor] = {}
@@ -260,14 +254,14 @@ class GzAckermann(Plugin):
 
 
 def _steering_limit(element: Element) -> float:
-    value = number(element, "steering_limit", 0.5)
+    value = number(element, "steering_limit")
     if not 0.0 < value < math.pi:
         raise CannotWorkError(f"its <steering_limit> is {value:g}. Write an angle in radians.")
     return value
 
 
-def _angle(element: Element, name: str, default: float) -> float:
-    value = number(element, name, default)
+def _angle(element: Element, name: str) -> float:
+    value = number(element, name)
     if not value > 0.0:
         raise CannotWorkError(f"its <{name}> is {value:g}. Write an angle in radians, above 0.")
     return value
@@ -279,16 +273,16 @@ class ClassicAckermann(Plugin):
     def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
         self._host, self._robot = host, robot
         self._joints = {
-            name: _joint(robot, element.get(name) or name)
+            name: _joint(robot, text(element, name, robot))
             for name in (
                 *("front_right_joint", "front_left_joint", "rear_right_joint", "rear_left_joint"),
                 *("right_steering_joint", "left_steering_joint"),
             )
         }
         self._wheel = _steering_wheel(host, robot, element)
-        self._fastest = number(element, "max_speed", 20.0)
-        self._most = _angle(element, "max_steer", 0.6)
-        self._ratio = self._most / _angle(element, "max_steering_angle", 7.85)
+        self._fastest = number(element, "max_speed")
+        self._most = _angle(element, "max_steer")
+        self._ratio = self._most / _angle(element, "max_steering_angle")
         self._pushed = tuple(
             self._joints[name].name
             for name in (
@@ -301,10 +295,9 @@ class ClassicAckermann(Plugin):
             for name in ("right_steering", "left_steering", "linear_velocity")
         }
         self._measure()
-        rate = number(element, "update_rate", 100.0)
+        rate = number(element, "update_rate")
         self._every = Timer(1 / rate if rate > 0 else 0.0, host.now)
         self._node = host.node(name=element.attributes.get("name"), ros=element.find("ros"))
-        host.subscription(robot, Twist, "cmd_vel", self._take, node=self._node, depth=1)
         self._open(element)
         self._place = robot.state().xyz
         self._updated = host.now
@@ -312,35 +305,24 @@ class ClassicAckermann(Plugin):
 
     def _open(self, element: Element) -> None:
         host, robot, node = self._host, self._robot, self._node
-        has = {
-            name: boolean(element, f"publish_{name}", default=False)
-            for name in ("odom", "distance", "odom_tf", "wheel_tf")
-        }
-        self._distance_publisher = (
-            host.publisher(robot, Float32, "distance", node=node, depth=1)
-            if has["distance"]
+        topics = topics_of(host, robot, element)
+        host.subscription(robot, Twist, topics["command"], self._take, node=node, depth=1)
+        self._distance_publisher, self._angle_publisher = (
+            host.publisher(robot, Float32, topics[use], node=node, depth=1)
+            if use in topics
             else None
+            for use in ("distance", "steerangle")
         )
-        self._publisher = (
-            host.publisher(robot, Odometry, "odom", node=node, depth=1) if has["odom"] else None
-        )
-        self._tf = (
-            host.publisher(robot, TFMessage, "/tf", node=node, depth=100)
-            if has["odom_tf"] or has["wheel_tf"]
-            else None
-        )
-        base = element.get("robot_base_frame", "base_footprint")
-        self._odometry = Odometry(child_frame_id=base)
-        self._odometry.header.frame_id = element.get("odometry_frame", "odom")
-        self._odometry.pose.covariance = self._odometry.twist.covariance = planar_covariance(
-            number(element, "covariance_x", 1e-5),
-            number(element, "covariance_y", 1e-5),
-            number(element, "covariance_yaw", 1e-3),
-        )
+        self._publisher, self._tf = classic_publishers(host, robot, element, node)
+        self._odometry = classic_odometry(robot, element)
+        base = self._odometry.child_frame_id
         self._transforms = TFMessage(
-            transforms=[TransformStamped(child_frame_id=base)] if has["odom_tf"] else []
+            transforms=[TransformStamped(child_frame_id=base)]
+            if boolean(element, "publish_odom_tf")
+            else []
         )
-        self._moving = [*self._joints.values(), self._wheel] if has["wheel_tf"] else []
+        has_wheels = boolean(element, "publish_wheel_tf")
+        self._moving = [*self._joints.values(), self._wheel] if has_wheels else []
 
     def _measure(self) -> None:
         """Radius and distances of the wheels, by their shapes, as the plugin does."""
@@ -448,8 +430,11 @@ class ClassicAckermann(Plugin):
             pid = self._pids[f"{side}_steering"]
             efforts[joint.name] = pid.command(there[-1] - target, seconds)
         self._robot.set_efforts(efforts)
+        mean = sum(there) / 2
+        if self._angle_publisher is not None:
+            self._angle_publisher.publish(Float32(data=mean))
         if self._wheel is not None:
-            self._robot.set_joint_positions({self._wheel.name: sum(there) / 2 / self._ratio})
+            self._robot.set_joint_positions({self._wheel.name: mean / self._ratio})
 
     def reset(self) -> None:
         """Stand still; the distance is 0."""
@@ -472,7 +457,7 @@ def _joint(robot: RobotHandle, name: str) -> Joint:
 
 
 def _steering_wheel(host: Host, robot: RobotHandle, element: Element) -> Joint | None:
-    name = element.get("steering_wheel_joint", "steering_wheel_joint")
+    name = text(element, "steering_wheel_joint", robot)
     found = next((one for one in robot.robot.movable_joints if one.name == name), None)
     if found is None and element.get("steering_wheel_joint"):
         host.warn(f"`{robot.entity}`: its Ackermann drive finds no steering wheel joint `{name}`.")
@@ -481,8 +466,8 @@ def _steering_wheel(host: Host, robot: RobotHandle, element: Element) -> Joint |
 
 def _gains(element: Element, name: str) -> Gains:
     """As `gazebo::common::PID` has them: without limits of the command."""
-    p, i, d = vector(element, f"{name}_pid_gain", (0.0, 0.0, 0.0))
-    least, most = vector(element, f"{name}_i_range", (0.0, 0.0))
+    p, i, d = vector(element, f"{name}_pid_gain")
+    least, most = vector(element, f"{name}_i_range")
     return Gains(p=p, i=i, d=d, i_max=most, i_min=least, most=-1.0, least=0.0)
 
 

@@ -7,6 +7,7 @@ gz.msgs.Actuators, actuator_msgs/Actuators in ROS.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
 
 from wsgen.ros_nodes.simulator.elements import boolean, number
@@ -18,27 +19,26 @@ if TYPE_CHECKING:
     from wsgen.model.devices import Element
     from wsgen.ros_nodes.simulator.host import Host, RobotHandle
 
-TOPIC = "/actuators"
 
-
-def actuator_number(host: Host, robot: RobotHandle, element: Element) -> int | None:
-    """The place of a plugin's actuator in the messages; None if it takes other messages.
+def actuator_number(host: Host, robot: RobotHandle, element: Element) -> tuple[Element, int | None]:
+    """The plugin, and the place of its actuator in the messages; None if it takes others.
 
     Raises:
         CannotWorkError: It is no place.
     """
-    if not boolean(element, "use_actuator_msg", default=False):
-        return None
+    if not boolean(element, "use_actuator_msg"):
+        return element, None
     if not element.get("actuator_number"):
         host.warn(
             f"`{robot.entity}`: the plugin `{element.attributes.get('filename', '')}` has "
             "<use_actuator_msg>, which Gazebo ignores without <actuator_number>. Add it."
         )
-        return None
-    place = number(element, "actuator_number", 0.0)
+        others = tuple(one for one in element.children if one.tag != "use_actuator_msg")
+        return replace(element, children=others), None
+    place = number(element, "actuator_number")
     if place < 0 or place % 1:
         raise CannotWorkError(f"its <actuator_number> is {place:g}. Write 0, 1, 2 or so on.")
-    return int(place)
+    return element, int(place)
 
 
 def listen_to_actuator(

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Bool
 
-from wsgen.ros_nodes.simulator.elements import boolean, number
+from wsgen.ros_nodes.simulator.elements import boolean, number, topics_of
 from wsgen.ros_nodes.simulator.host import CannotWorkError, Plugin
 from wsgen.values import dataclass
 
@@ -104,38 +104,38 @@ class LinearBattery(Plugin):
         name = element.get("battery_name")
         if not name or not element.get("voltage"):
             raise CannotWorkError("it has no <battery_name> or no <voltage>. Write both.")
-        capacity = number(element, "capacity", 0.0)
+        capacity = number(element, "capacity")
         if not capacity > 0.0:
             raise CannotWorkError(f"its <capacity> is {capacity:g}. Write ampere hours.")
-        can_charge = boolean(element, "enable_recharge", default=False)
-        if can_charge and not number(element, "charging_time", 0.0) > 0.0:
+        can_charge = boolean(element, "enable_recharge")
+        if can_charge and not number(element, "charging_time") > 0.0:
             raise CannotWorkError("it has <enable_recharge>, but no <charging_time> in hours.")
-        smoothing = number(element, "smooth_current_tau", 1.0)
+        smoothing = number(element, "smooth_current_tau")
         self._cell = Cell(
-            voltage=number(element, "voltage", 0.0),
-            constant=number(element, "open_circuit_voltage_constant_coef", 0.0),
-            linear=number(element, "open_circuit_voltage_linear_coef", 0.0),
+            voltage=number(element, "voltage"),
+            constant=number(element, "open_circuit_voltage_constant_coef"),
+            linear=number(element, "open_circuit_voltage_linear_coef"),
             capacity=capacity,
             charge=min(capacity, max(0.0, number(element, "initial_charge", capacity))),
-            resistance=number(element, "resistance", 0.0),
+            resistance=number(element, "resistance"),
             smoothing=smoothing if smoothing > 0.0 else 1.0,
-            load=number(element, "power_load", 0.0),
-            charging_hours=number(element, "charging_time", 0.0) if can_charge else None,
-            is_fixed=boolean(element, "fix_issue_225", default=False),
+            load=number(element, "power_load"),
+            charging_hours=number(element, "charging_time") if can_charge else None,
+            is_fixed=boolean(element, "fix_issue_225"),
         )
-        self._sign = -1.0 if boolean(element, "invert_current_sign", default=False) else 1.0
-        self._starts = boolean(element, "start_draining", default=False)
+        self._sign = -1.0 if boolean(element, "invert_current_sign") else 1.0
+        self._starts = boolean(element, "start_draining")
         for tag in ("power_draining_topic", "stop_power_draining_topic"):
             if element.find(tag) is not None:
                 host.warn(
                     f"`{robot.entity}`: wsgen does not take the <{tag}> of its battery; it drains "
                     "from when a joint is first driven, or from the start with <start_draining>."
                 )
-        topic = f"/model/{robot.entity}/battery/{name}"
-        if can_charge and element.find("recharge_by_topic") is not None:
-            host.subscription(robot, Bool, f"{topic}/recharge/start", lambda _: self._charge(True))
-            host.subscription(robot, Bool, f"{topic}/recharge/stop", lambda _: self._charge(False))
-        self._publisher = host.publisher(robot, BatteryState, f"{topic}/state")
+        topics = topics_of(host, robot, element)
+        if element.find("recharge_by_topic") is not None and "start" in topics:
+            host.subscription(robot, Bool, topics["start"], lambda _: self._charge(True))
+            host.subscription(robot, Bool, topics["stop"], lambda _: self._charge(False))
+        self._publisher = host.publisher(robot, BatteryState, topics["state"])
         self._message: Any = BatteryState(design_capacity=float("nan"), present=True)
         self._message.capacity = capacity
         self._last = host.now  # s, simulated, of the last update

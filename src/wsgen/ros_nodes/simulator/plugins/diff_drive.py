@@ -7,41 +7,40 @@ src/DiffDriveOdometry.cc. Neither stops when commands cease: the last one holds 
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 from geometry_msgs.msg import TransformStamped, Twist
-from nav_msgs.msg import Odometry
 from std_msgs.msg import Bool
 from tf2_msgs.msg import TFMessage
 
+from wsgen.gazebo.plugins import CLASSIC, SIM, TWO_WHEELS
 from wsgen.model.transform import compose, invert
-from wsgen.ros_nodes.simulator.elements import boolean, number, numbers
+from wsgen.ros_nodes.simulator.elements import boolean, number, topics_of
 from wsgen.ros_nodes.simulator.host import CannotWorkError, Plugin
 from wsgen.ros_nodes.simulator.messages import (
     can_follow_twist,
     in_heading,
     of_yaw,
-    planar_covariance,
     set_pose,
     set_transform,
     set_transform_to,
     set_twist,
     yaw_of,
 )
-from wsgen.ros_nodes.simulator.plugins.gz_drive import (
-    DrivePublisher,
-    driven_joints,
-    joint_names,
-    length,
-    limits,
+from wsgen.ros_nodes.simulator.plugins.classic_odometry import (
+    classic_odometry,
+    classic_publishers,
 )
-from wsgen.ros_nodes.simulator.plugins.slip import SlipWatch, Wheels
+from wsgen.ros_nodes.simulator.plugins.gz_drive import DrivePublisher, driven_joints, values_of
+from wsgen.ros_nodes.simulator.plugins.slip import SlipWatch
 from wsgen.ros_nodes.simulator.plugins.wheels import WheelOdometry
 from wsgen.ros_nodes.simulator.timing import Timer, until_next
-from wsgen.simulation.controllers import limited_motor
-from wsgen.simulation.engine import Motor
+from wsgen.simulation.controllers import limited_motor, ode_motor
+from wsgen.urdf.diff_drive import UnusableError, read_drive
 
 if TYPE_CHECKING:
+    from wsgen.model.behavior import DiffDrive
     from wsgen.model.devices import Element
     from wsgen.model.transform import Vector
     from wsgen.ros_nodes.simulator.host import Host, RobotHandle
@@ -56,10 +55,11 @@ class ClassicDiffDrive(Plugin):
 
     def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
         self._host, self._robot = host, robot
-        self._pairs = _classic_pairs(robot, element)
-        self._torque = number(element, "max_wheel_torque", 5.0)
-        self._acceleration = number(element, "max_wheel_acceleration", 0.0)
-        rate = number(element, "update_rate", 100.0)
+        drive = _read(CLASSIC, robot, element)
+        self._pairs, self._acceleration = drive.pairs, drive.rim.acceleration
+        self._torque = drive.torque or 0.0
+        self._joints = {joint.name: joint for joint in robot.robot.movable_joints}
+        rate = number(element, "update_rate")
         self.period = 1 / rate if rate > 0 else host.step_seconds
         self._node = host.node(name=element.attributes.get("name"), ros=element.find("ros"))
         self._linear = self._angular = 0.0  # as commanded
@@ -70,39 +70,17 @@ class ClassicDiffDrive(Plugin):
         first = self._pairs[0]
         self._encoder = WheelOdometry(first.separation, first.radius, first.radius)
         self._slip = SlipWatch(host, robot, first, tuple(self._instructed))
-        self._from_world = number(element, "odometry_source", WORLD) == WORLD
-        self._odometry_frame = element.get("odometry_frame", "odom")
-        self._base_frame = element.get("robot_base_frame", "base_footprint")
-        host.subscription(robot, Twist, "cmd_vel", self._command, node=self._node, depth=1)
-        self._odometry = self._message(element)
-        self._odometry_publisher = (
-            host.publisher(robot, Odometry, "odom", node=self._node, depth=1)
-            if boolean(element, "publish_odom", default=False)
-            else None
-        )
-        self._has_odom_tf = boolean(element, "publish_odom_tf", default=False)
-        self._has_wheel_tf = boolean(element, "publish_wheel_tf", default=False)
-        self._tf = (
-            host.publisher(robot, TFMessage, "/tf", node=self._node, depth=100)
-            if self._has_odom_tf or self._has_wheel_tf
-            else None
-        )
+        self._from_world = int(number(element, "odometry_source")) == WORLD
+        topics = topics_of(host, robot, element)
+        host.subscription(robot, Twist, topics["command"], self._command, node=self._node, depth=1)
+        self._odometry = classic_odometry(robot, element)
+        self._odometry_publisher, self._tf = classic_publishers(host, robot, element, self._node)
+        self._has_odom_tf = boolean(element, "publish_odom_tf")
+        self._has_wheel_tf = boolean(element, "publish_wheel_tf")
         self._transforms = TFMessage(transforms=[TransformStamped()] if self._has_odom_tf else [])
         self._wheel_joints = [
             joint for joint in robot.robot.joints if joint.name in self._instructed
         ]
-
-    def _message(self, element: Element) -> Any:
-        message = Odometry(child_frame_id=self._base_frame)
-        message.header.frame_id = self._odometry_frame
-        covariance = planar_covariance(
-            number(element, "covariance_x", 1e-5),
-            number(element, "covariance_y", 1e-5),
-            number(element, "covariance_yaw", 1e-3),
-        )
-        message.pose.covariance = covariance
-        message.twist.covariance = covariance
-        return message
 
     def _command(self, message: Any) -> None:
         if can_follow_twist(self._host, message, self._node.resolve_topic_name("cmd_vel")):
@@ -134,8 +112,9 @@ class ClassicDiffDrive(Plugin):
             return
         if self._has_odom_tf:
             message = self._transforms.transforms[0]
-            message.header.stamp, message.header.frame_id = stamp, self._odometry_frame
-            message.child_frame_id = self._base_frame
+            message.header.stamp = stamp
+            message.header.frame_id = self._odometry.header.frame_id
+            message.child_frame_id = self._odometry.child_frame_id
             set_transform(message.transform, xyz, xyzw)
             self._tf.publish(self._transforms)
         if self._has_wheel_tf:
@@ -164,16 +143,15 @@ class ClassicDiffDrive(Plugin):
         return made
 
     def _drive(self) -> None:
-        speeds = self._robot.joint_velocities() if self._acceleration else {}
+        is_free = math.isinf(self._acceleration)
+        speeds = {} if is_free else self._robot.joint_velocities()
         most = self._acceleration * (self._host.now - self._last)
         motors = {}
         for pair in self._pairs:
-            half = self._angular * pair.separation / 2
-            wanted = {pair.left: self._linear - half, pair.right: self._linear + half}
+            rims_of_pair = pair.speeds(self._linear, self._angular)
+            wanted = dict(zip((pair.left, pair.right), rims_of_pair, strict=True))
             rims = {name: speeds.get(name, 0.0) * pair.radius for name in wanted}
-            if not self._acceleration or all(
-                abs(wanted[name] - rims[name]) < REACHED for name in wanted
-            ):
+            if is_free or all(abs(wanted[name] - rims[name]) < REACHED for name in wanted):
                 given = wanted
             else:
                 for name, rim in wanted.items():
@@ -181,7 +159,7 @@ class ClassicDiffDrive(Plugin):
                     self._instructed[name] += change
                 given = {name: self._instructed[name] for name in wanted}
             for name, rim in given.items():
-                motors[name] = Motor(rim / pair.radius, self._torque)
+                motors[name] = ode_motor(self._joints[name], rim / pair.radius, self._torque)
         self._robot.drive(motors)
 
     def reset(self) -> None:
@@ -197,29 +175,11 @@ class ClassicDiffDrive(Plugin):
         self._host.ros.forget_node(self._node)
 
 
-def _classic_pairs(robot: RobotHandle, element: Element) -> list[Wheels]:
-    left, right = (joint_names(robot, element, side) for side in ("left_joint", "right_joint"))
-    count = max(1, round(number(element, "num_wheel_pairs", 1.0)))
-    if len(left) != len(right) or len(left) != count:
-        raise CannotWorkError(
-            f"it names {len(left)} left and {len(right)} right joints for {count} pairs of wheels. "
-            "Write one <left_joint> and one <right_joint> for each pair, and their number into "
-            "<num_wheel_pairs>."
-        )
-    separations = [*numbers(element, "wheel_separation"), *[0.34] * count]
-    diameters = [*numbers(element, "wheel_diameter"), *[0.15] * count]
-    return [
-        Wheels(one, other, separation, _radius(diameter))
-        for one, other, separation, diameter in zip(
-            left, right, separations[:count], diameters[:count], strict=True
-        )
-    ]
-
-
-def _radius(diameter: float) -> float:
-    if not diameter > 0:
-        raise CannotWorkError(f"its <wheel_diameter> is {diameter:g}. Write a length in meters.")
-    return diameter / 2
+def _read(kind: str, robot: RobotHandle, element: Element) -> DiffDrive:
+    try:
+        return read_drive(kind, values_of(element), robot.robot)
+    except UnusableError as error:
+        raise CannotWorkError(f"{error.why.reason}. {error.why.hint}") from None
 
 
 class GzDiffDrive(Plugin):
@@ -227,24 +187,18 @@ class GzDiffDrive(Plugin):
 
     def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
         self._host, self._robot = host, robot
-        self._left, self._right = driven_joints(robot, element, "left_joint", "right_joint")
-        self._radius = length(element, "wheel_radius", 0.2)
-        self._separation = length(element, "wheel_separation", 1.0)
-        self._linear_limits = limits(element, "linear")
-        self._angular_limits = limits(element, "angular")
+        drive = _read(SIM, robot, element)
+        self._left, self._right = driven_joints(host, robot, element, *TWO_WHEELS)
+        self._wheel_pair = pair = drive.pairs[0]
+        self._bounds = drive.linear, drive.angular
         self._control = Timer(host.update_seconds, host.now)
-        self._wheels = WheelOdometry(self._separation, self._radius, self._radius)
-        names = self._left[0].name, self._right[0].name
-        self._slip = SlipWatch(
-            host,
-            robot,
-            Wheels(*names, self._separation, self._radius),
-            tuple(joint.name for joint in (*self._left, *self._right)),
-        )
-        model = f"/model/{robot.entity}"
-        self._topic = element.get("topic") or f"{model}/cmd_vel"
+        self._wheels = WheelOdometry(pair.separation, pair.radius, pair.radius)
+        driven = tuple(joint.name for joint in (*self._left, *self._right))
+        self._slip = SlipWatch(host, robot, pair, driven)
+        topics = topics_of(host, robot, element)
+        self._topic = topics["command"]
         host.subscription(robot, Twist, self._topic, self._command)
-        host.subscription(robot, Bool, f"{model}/enable", self._enable)
+        host.subscription(robot, Bool, topics["enable"], self._enable)
         self._publisher = DrivePublisher(host, robot, element)
         self._begin()
 
@@ -281,21 +235,19 @@ class GzDiffDrive(Plugin):
         seconds = self._host.now - self._updated or self._host.update_seconds
         self._updated = self._host.now
         linear, angular = (
-            limits.next(wanted, last, before, seconds)
-            for limits, wanted, last, before in zip(
-                (self._linear_limits, self._angular_limits),
-                self._wanted,
-                self._last,
-                self._before,
-                strict=True,
+            bounds.next(last, wanted, seconds, before)
+            for bounds, wanted, last, before in zip(
+                self._bounds, self._wanted, self._last, self._before, strict=True
             )
         )
         self._before, self._last = self._last, (linear, angular)
-        half = angular * self._separation / 2
+        pair = self._wheel_pair
         self._robot.drive(
             {
-                joint.name: limited_motor(joint, rim / self._radius)
-                for side, rim in ((self._left, linear - half), (self._right, linear + half))
+                joint.name: limited_motor(joint, rim / pair.radius)
+                for side, rim in zip(
+                    (self._left, self._right), pair.speeds(linear, angular), strict=True
+                )
                 for joint in side
             }
         )

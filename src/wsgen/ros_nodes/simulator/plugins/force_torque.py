@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from geometry_msgs.msg import WrenchStamped
 
 from wsgen.model.transform import rotate, rotation_of_rpy, transpose
-from wsgen.ros_nodes.simulator.elements import number
+from wsgen.ros_nodes.simulator.elements import number, topics_of
 from wsgen.ros_nodes.simulator.host import CannotWorkError, Plugin
 
 if TYPE_CHECKING:
@@ -37,13 +37,18 @@ class ClassicForceTorque(Plugin):
                 "a joint that moves, or keep it: <gazebo reference="
                 f'"{name}"><preserveFixedJoint>true</preserveFixedJoint></gazebo>.'
             )
+        if element.find("frame_name") is not None:
+            host.warn(
+                f"`{robot.entity}`: its force-torque sensor ignores the <frame_name> of a joint."
+            )
         self._joint = joint
-        rate = number(element, "update_rate", 0.0)
+        rate = number(element, "update_rate")
         self.period = 1 / rate if rate > 0 else None
-        self._deviation = number(element, "gaussian_noise", 0.0)
+        self._deviation = number(element, "gaussian_noise")
         self._random = random.Random(f"{robot.entity}/{name}")  # noqa: S311  it is no secret
         self._node = host.node(name=element.attributes.get("name"), ros=element.find("ros"))
-        self._publisher = host.publisher(robot, WrenchStamped, "wrench", node=self._node, depth=1)
+        topic = topics_of(host, robot, element)["wrench"]
+        self._publisher = host.publisher(robot, WrenchStamped, topic, node=self._node, depth=1)
         self._message = WrenchStamped()
         self._message.header.frame_id = joint.child.rpartition("::")[2]
         robot.joint_wrench(name)  # engines measure from now on

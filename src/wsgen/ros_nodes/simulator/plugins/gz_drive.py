@@ -6,20 +6,20 @@ src/systems/ackermann_steering/AckermannSteering.cc and src/systems/mecanum_driv
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
 from tf2_msgs.msg import TFMessage
 
-from wsgen.ros_nodes.simulator.elements import number
+from wsgen.ros_nodes.simulator.elements import number, text, topics_of
 from wsgen.ros_nodes.simulator.host import CannotWorkError
 from wsgen.ros_nodes.simulator.messages import of_yaw, set_pose, set_transform, set_twist
-from wsgen.ros_nodes.simulator.plugins.wheels import Limits
 from wsgen.ros_nodes.simulator.timing import Timer
+from wsgen.urdf.diff_drive import UnusableError, read_bounds
 
 if TYPE_CHECKING:
+    from wsgen.model.behavior import Bounds
     from wsgen.model.devices import Element
     from wsgen.model.robot import Joint
     from wsgen.ros_nodes.simulator.host import Host, RobotHandle
@@ -34,17 +34,13 @@ class DrivePublisher:
 
     def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
         self._host = host
-        frequency = number(element, "odom_publish_frequency", 50.0)
+        frequency = number(element, "odom_publish_frequency")
         self.timer = Timer(1 / frequency if frequency > 0 else 0.0, host.now)
-        model = f"/model/{robot.entity}"
-        topic = element.get("odom_topic") or f"{model}/odometry"
-        self._publisher = host.publisher(robot, Odometry, topic)
-        topic = element.get("tf_topic") or f"{model}/tf"
-        self._tf = host.publisher(robot, TFMessage, topic)
-        self._odometry = Odometry(
-            child_frame_id=element.get("child_frame_id") or f"{robot.entity}/{robot.robot.root}"
-        )
-        self._odometry.header.frame_id = element.get("frame_id") or f"{robot.entity}/odom"
+        topics = topics_of(host, robot, element)
+        self._publisher = host.publisher(robot, Odometry, topics["odometry"])
+        self._tf = host.publisher(robot, TFMessage, topics["tf"])
+        self._odometry = Odometry(child_frame_id=text(element, "child_frame_id", robot))
+        self._odometry.header.frame_id = text(element, "frame_id", robot)
         self._transforms = TFMessage(
             transforms=[TransformStamped(child_frame_id=self._odometry.child_frame_id)]
         )
@@ -69,62 +65,59 @@ class DrivePublisher:
             self._tf.publish(self._transforms)
 
 
-def joint_names(robot: RobotHandle, element: Element, tag: str) -> list[str]:
-    """The joints that elements with a tag name.
+def driven_joints(
+    host: Host, robot: RobotHandle, element: Element, *tags: str
+) -> list[list[Joint]]:
+    """Those of several tags, each of which must name one that the robot has; others are named.
 
     Raises:
-        CannotWorkError: The robot does not have one of them.
+        CannotWorkError: A tag names none that the robot has.
     """
-    movable = {joint.name for joint in robot.robot.movable_joints}
-    names = [found.text for found in element.find_all(tag)]
-    for name in names:
-        if name not in movable:
-            raise CannotWorkError(
-                f"the robot has no joint `{name}` that can turn. Write the names of its wheels' "
-                f"joints into <{tag}>."
-            )
-    return names
+    movable = {joint.name: joint for joint in robot.robot.movable_joints}
+    found: list[list[Joint]] = []
+    for tag in tags:
+        names = [one.text for one in element.find_all(tag)]
+        found.append([movable[name] for name in names if name in movable])
+        for name in names:
+            if name not in movable:
+                host.warn(
+                    f"`{robot.entity}`: the plugin `{element.attributes.get('filename', '')}` "
+                    f"names the joint `{name}`, but the robot has no joint `{name}` that can turn. "
+                    f"Write the names of its wheels' joints into <{tag}>."
+                )
+    missing = [f"<{tag}>" for tag, joints in zip(tags, found, strict=True) if not joints]
+    if missing:
+        raise CannotWorkError(f"it names no {' and no '.join(missing)} that the robot has.")
+    return found
 
 
-def driven_joints(robot: RobotHandle, element: Element, *tags: str) -> list[list[Joint]]:
-    """Those of several tags, each of which must name one.
-
-    Raises:
-        CannotWorkError: A tag names none, or one that the robot does not have.
-    """
-    joints = {joint.name: joint for joint in robot.robot.movable_joints}
-    names = [joint_names(robot, element, tag) for tag in tags]
-    if not all(names):
-        missing = [f"<{tag}>" for tag, found in zip(tags, names, strict=True) if not found]
-        raise CannotWorkError(f"it names no {' and no '.join(missing)}.")
-    return [[joints[name] for name in found] for found in names]
-
-
-def length(element: Element, name: str, default: float) -> float:
+def length(element: Element, name: str) -> float:
     """A length in meters, above 0.
 
     Raises:
         CannotWorkError: It is not.
     """
-    value = number(element, name, default)
+    value = number(element, name)
     if not value > 0:
         raise CannotWorkError(f"its <{name}> is {value:g}. Write a length in meters.")
     return value
 
 
-def limits(element: Element, motion: str = "") -> Limits:
-    """What speeds are allowed; a key without the kind of motion is for both kinds."""
+def values_of(element: Element) -> dict[str, tuple[str, ...]]:
+    """The texts of its parameters."""
+    found: dict[str, tuple[str, ...]] = {}
+    for child in element.children:
+        found[child.tag] = (*found.get(child.tag, ()), child.text)
+    return found
 
-    def bound(side: str, what: str) -> float:
-        default = -math.inf if side == "min" else math.inf
-        both = number(element, f"{side}_{what}", default)
-        return number(element, f"{side}_{motion}_{what}", both) if motion else both
 
-    return Limits(
-        slowest=bound("min", "velocity"),
-        fastest=bound("max", "velocity"),
-        braking=bound("min", "acceleration"),
-        acceleration=bound("max", "acceleration"),
-        least_jerk=bound("min", "jerk"),
-        jerk=bound("max", "jerk"),
-    )
+def limits(element: Element) -> Bounds:
+    """What speeds are allowed.
+
+    Raises:
+        CannotWorkError: One is not a number.
+    """
+    try:
+        return read_bounds(values_of(element))
+    except UnusableError as error:
+        raise CannotWorkError(f"{error.why.reason}. {error.why.hint}") from None

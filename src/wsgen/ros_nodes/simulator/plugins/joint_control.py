@@ -15,32 +15,21 @@ from typing import TYPE_CHECKING, Any, Literal
 from std_msgs.msg import Float32, Float64
 from trajectory_msgs.msg import JointTrajectory
 
-from wsgen.ros_nodes.simulator.elements import boolean, number, numbers
+from wsgen.ros_nodes.simulator.elements import boolean, default_of, number, numbers, topics_of
 from wsgen.ros_nodes.simulator.host import CannotWorkError, Plugin
 from wsgen.ros_nodes.simulator.pid import Gains, GzPid
-from wsgen.ros_nodes.simulator.plugins.actuators import (
-    TOPIC,
-    actuator_number,
-    listen_to_actuator,
-)
+from wsgen.ros_nodes.simulator.plugins.actuators import actuator_number, listen_to_actuator
 from wsgen.simulation.controllers import limited_motor
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from wsgen.model.devices import Element
     from wsgen.ros_nodes.simulator.host import Host, RobotHandle
 
-BOUNDS = {"i_max": 1.0, "i_min": -1.0, "most": 1000.0, "least": -1000.0}
-OF_POSITION = {"p": 1.0, "i": 0.1, "d": 0.01, **BOUNDS}
-OF_SPEED = {"p": 1.0, "i": 0.0, "d": 0.0, **BOUNDS}
 WORLD = ("world", "map")  # what a trajectory of joints may be seen from, besides a link
 
 
 class _GzJoints(Plugin):
     """What a plugin does to the joints that it names."""
-
-    default: Mapping[str, float]  # gains
 
     def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
         self._host, self._robot = host, robot
@@ -49,22 +38,16 @@ class _GzJoints(Plugin):
             raise CannotWorkError("it names no joint of the robot. Write <joint_name>.")
         self._models = {joint.name: joint for joint in robot.robot.movable_joints}
         self._target = 0.0
-        self._pid = GzPid(_gains(element, "", self.default))
 
-    def _listen(
-        self, element: Element, topic: str, values: Literal["position", "velocity"]
-    ) -> None:
+    def _listen(self, element: Element, values: Literal["position", "velocity"]) -> None:
+        self._pid = GzPid(_gains(element))
         host, robot = self._host, self._robot
-        actuator = actuator_number(host, robot, element)
+        element, actuator = actuator_number(host, robot, element)
+        topics = topics_of(host, robot, element)
         if actuator is not None:
-            topic = TOPIC
-        if element.get("sub_topic"):
-            topic = f"/model/{robot.entity}/{element.get('sub_topic')}"
-        topic = element.get("topic") or topic
-        if actuator is not None:
-            listen_to_actuator(host, robot, topic, (values, actuator), self._take)
+            listen_to_actuator(host, robot, topics["actuators"], (values, actuator), self._take)
         else:
-            self._listen_to(topic)
+            self._listen_to(topics["command"])
 
     def _listen_to(self, topic: str) -> None:
         self._host.subscription(
@@ -100,17 +83,13 @@ class _GzJoints(Plugin):
 class GzJointPosition(_GzJoints):
     """`gz-sim-joint-position-controller-system`."""
 
-    default = OF_POSITION
-
     def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
         super().__init__(host, robot, element)
-        self._target = number(element, "initial_position", 0.0)
-        self._by_speed = boolean(element, "use_velocity_commands", default=False)
-        self._fastest = number(element, "cmd_max", math.inf)
+        self._target = number(element, "initial_position")
+        self._by_speed = boolean(element, "use_velocity_commands")
+        self._fastest = number(element, "cmd_max", math.inf)  # by speed there is no default
         self.period = None if self._by_speed else host.step_seconds
-        index = int(number(element, "joint_index", 0.0))
-        topic = f"/model/{robot.entity}/joint/{self._joints[0]}/{index}/cmd_pos"
-        self._listen(element, topic, "position")
+        self._listen(element, "position")
 
     def update(self) -> None:
         """Go on towards the position."""
@@ -125,16 +104,13 @@ class GzJointPosition(_GzJoints):
 class GzJointVelocity(_GzJoints):
     """`gz-sim-joint-controller-system`."""
 
-    default = OF_SPEED
-
     def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
         super().__init__(host, robot, element)
-        self._target = number(element, "initial_velocity", 0.0)
-        self._by_effort = boolean(element, "use_force_commands", default=False)
+        self._target = number(element, "initial_velocity")
+        self._by_effort = boolean(element, "use_force_commands")
         self.period = host.step_seconds if self._by_effort else None
         self._driven: float | None = None
-        topic = f"/model/{robot.entity}/joint/{self._joints[0]}/cmd_vel"
-        self._listen(element, topic, "velocity")
+        self._listen(element, "velocity")
 
     def update(self) -> None:
         """Keep the speed."""
@@ -151,13 +127,17 @@ class GzJointVelocity(_GzJoints):
 
 
 class GzJointForce(_GzJoints):
-    """`gz-sim-apply-joint-force-system`: the effort of the last message acts on a joint."""
+    """`gz-sim-apply-joint-force-system`: the effort of the last message acts on a joint.
 
-    default = OF_SPEED
+    It reads the first <joint_name> alone.
+    """
 
     def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
         super().__init__(host, robot, element)
-        self._listen_to(f"/model/{robot.entity}/joint/{self._joints[0]}/cmd_force")
+        self._joints = [name for name in self._joints if name == element.get("joint_name")]
+        if not self._joints:
+            raise CannotWorkError("its first <joint_name> is no joint of the robot.")
+        self._listen_to(topics_of(host, robot, element)["command"])
         self._acting = 0.0
 
     def update(self) -> None:
@@ -183,23 +163,21 @@ class GzJointTrajectory(Plugin):
         joints = _named_joints(host, robot, element) if named else list(self._models)
         if not joints:
             raise CannotWorkError("the robot has no joints that it could move.")
-        begin = numbers(element, "initial_position")
         self._initial = {
-            name: begin[index] if index < len(begin) else 0.0 for index, name in enumerate(joints)
+            name: _nth(element, "initial_position", index) for index, name in enumerate(joints)
         }
         self._pids = {
             name: tuple(
-                GzPid(_gains(element, f"{kind}_", {"p": 0, "i": 0, "d": 0}, index))
-                for kind in ("position", "velocity")
+                GzPid(_gains(element, f"{kind}_", index)) for kind in ("position", "velocity")
             )
             for index, name in enumerate(joints)
         }
         self.period = host.step_seconds
         # As in gz-sim, by an attribute.
         self._waits = element.attributes.get("use_header_start_time", "") in {"true", "1"}
-        topic = element.get("topic") or f"/model/{robot.entity}/joint_trajectory"
-        host.subscription(robot, JointTrajectory, topic, self._take)
-        self._progress = host.publisher(robot, Float32, f"{topic}_progress")
+        topics = topics_of(host, robot, element)
+        host.subscription(robot, JointTrajectory, topics["command"], self._take)
+        self._progress = host.publisher(robot, Float32, topics["progress"])
         self.reset()
 
     def reset(self) -> None:
@@ -274,12 +252,11 @@ class ClassicPoseTrajectory(Plugin):
 
     def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
         self._host, self._robot = host, robot
-        rate = number(element, "update_rate", 100.0)
+        rate = number(element, "update_rate")
         self.period = 1 / rate if rate > 0 else host.step_seconds
         self._node = host.node(name=element.attributes.get("name"), ros=element.find("ros"))
-        host.subscription(
-            robot, JointTrajectory, "set_joint_trajectory", self._take, node=self._node, depth=1
-        )
+        topic = topics_of(host, robot, element)["command"]
+        host.subscription(robot, JointTrajectory, topic, self._take, node=self._node, depth=1)
         self.reset()
 
     def reset(self) -> None:
@@ -345,9 +322,19 @@ def _named_joints(host: Host, robot: RobotHandle, element: Element) -> list[str]
     return [name for name in dict.fromkeys(names) if name in movable]
 
 
-def _gains(element: Element, prefix: str, default: Mapping[str, float], index: int = 0) -> Gains:
-    """Those of one of several joints, where each element may be repeated."""
-    written = {
+def _nth(element: Element, name: str, index: int) -> float:
+    """The number of one of several joints, where each element may be repeated."""
+    values = numbers(element, name)
+    if index < len(values):
+        return values[index]
+    default = default_of(element, name)
+    assert isinstance(default, float), name  # noqa: S101  a table of wsgen says so
+    return default
+
+
+def _gains(element: Element, prefix: str = "", index: int = 0) -> Gains:
+    """Those of one of several joints."""
+    tags = {
         "p": "p_gain",
         "i": "i_gain",
         "d": "d_gain",
@@ -357,12 +344,7 @@ def _gains(element: Element, prefix: str, default: Mapping[str, float], index: i
         "least": "cmd_min",
         "offset": "cmd_offset",
     }
-    found: dict[str, float] = dict(default)
-    for name, tag in written.items():
-        values = numbers(element, f"{prefix}{tag}")
-        if index < len(values):
-            found[name] = values[index]
-    return Gains(**found)
+    return Gains(**{name: _nth(element, f"{prefix}{tag}", index) for name, tag in tags.items()})
 
 
 def _within(joint: Any, effort: float) -> float:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from sensor_msgs.msg import JointState
 
-from wsgen.ros_nodes.simulator.elements import number
+from wsgen.ros_nodes.simulator.elements import number, topics_of
 from wsgen.ros_nodes.simulator.host import CannotWorkError, Plugin
 
 if TYPE_CHECKING:
@@ -73,12 +73,11 @@ class ClassicJointStates(_JointStates):
         super().__init__(host, robot, element, with_efforts=False)
         if element.find("joint_name") is None or not self._message.name:
             raise CannotWorkError("it names no joint of the robot. Write <joint_name>s.")
-        rate = number(element, "update_rate", 100.0)
+        rate = number(element, "update_rate")
         self.period = 1 / rate if rate > 0 else host.step_seconds
         self._node = host.node(name=element.attributes.get("name"), ros=element.find("ros"))
-        self._publisher = host.publisher(
-            robot, JointState, "joint_states", node=self._node, depth=1000
-        )
+        topic = topics_of(host, robot, element)["states"]
+        self._publisher = host.publisher(robot, JointState, topic, node=self._node, depth=1000)
 
     def close(self) -> None:
         """End its node."""
@@ -90,14 +89,12 @@ class GzJointStates(_JointStates):
 
     def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
         super().__init__(host, robot, element, with_efforts=True)
-        rate = number(element, "update_rate", 0.0)
+        rate = number(element, "update_rate")
         # Gazebo publishes at every step without a rate, 1 kHz, which costs every node in Python a
         # tenth of a core.
         self.period = 1 / rate if rate > 0 else max(GZ_PERIOD, host.step_seconds)
-        topic = element.get("topic")
-        self._publisher = host.publisher(
-            robot, JointState, topic or f"/world/{host.world}/model/{robot.entity}/joint_state"
-        )
+        topic = topics_of(host, robot, element)["states"]
+        self._publisher = host.publisher(robot, JointState, topic)
 
     def _joints(self, robot: Robot) -> Iterable[Joint]:
         return robot.joints_in_gazebo

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from geometry_msgs.msg import Twist
 
+from wsgen.ros_nodes.simulator.elements import topics_of
 from wsgen.ros_nodes.simulator.host import Plugin
 from wsgen.ros_nodes.simulator.messages import can_follow_twist
 from wsgen.ros_nodes.simulator.plugins.gz_drive import (
@@ -38,9 +39,9 @@ WINDOW = 0.01  # s; gz-math takes the mean of ten steps, of 1 ms each
 class MecanumBase(NamedTuple):
     """The measures of a robot, m."""
 
-    separation: float = 1.0  # of its left and right wheels
-    wheel_base: float = 1.0  # of its front and back wheels
-    radius: float = 0.2
+    separation: float  # of its left and right wheels
+    wheel_base: float  # of its front and back wheels
+    radius: float
 
     def wheels(self, ahead: float, left: float, turn: float) -> tuple[float, float, float, float]:
         """How fast wheels turn (rad/s) for speeds (m/s, rad/s), in the order of `WHEELS`."""
@@ -113,16 +114,16 @@ class GzMecanum(Plugin):
 
     def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
         self._host, self._robot = host, robot
-        self._joints = driven_joints(robot, element, *WHEELS)
+        self._joints = driven_joints(host, robot, element, *WHEELS)
         self._base = MecanumBase(
-            separation=length(element, "wheel_separation", 1.0),
-            wheel_base=length(element, "wheelbase", 1.0),
-            radius=length(element, "wheel_radius", 0.2),
+            separation=length(element, "wheel_separation"),
+            wheel_base=length(element, "wheelbase"),
+            radius=length(element, "wheel_radius"),
         )
         self._limits = limits(element)
         self._control = Timer(host.update_seconds, host.now)
         self._odometry = MecanumOdometry(self._base)
-        self._topic = element.get("topic") or f"/model/{robot.entity}/cmd_vel"
+        self._topic = topics_of(host, robot, element)["command"]
         host.subscription(robot, Twist, self._topic, self._take)
         self._publisher = DrivePublisher(host, robot, element)
         self._begin()
@@ -152,7 +153,7 @@ class GzMecanum(Plugin):
         seconds = self._host.now - self._updated or self._host.update_seconds
         self._updated = self._host.now
         ahead, left, turn = (
-            self._limits.next(wanted, last, before, seconds)
+            self._limits.next(last, wanted, seconds, before)
             for wanted, last, before in zip(self._wanted, self._last, self._before, strict=True)
         )
         self._before, self._last = self._last, (ahead, left, turn)

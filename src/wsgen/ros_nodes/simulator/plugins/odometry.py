@@ -8,7 +8,7 @@ gazebo_plugins/src/gazebo_ros_p3d.cpp (branch ros2).
 from __future__ import annotations
 
 import random
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
@@ -26,7 +26,7 @@ from wsgen.model.transform import (
     rpy_of_rotation,
     transpose,
 )
-from wsgen.ros_nodes.simulator.elements import boolean, number, vector
+from wsgen.ros_nodes.simulator.elements import boolean, number, text, topics_of, vector
 from wsgen.ros_nodes.simulator.host import CannotWorkError, Plugin
 from wsgen.ros_nodes.simulator.messages import (
     in_heading,
@@ -36,13 +36,15 @@ from wsgen.ros_nodes.simulator.messages import (
     set_twist,
     yaw_of,
 )
+from wsgen.ros_nodes.simulator.timing import Timer, until_next
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from wsgen.model.devices import Element
     from wsgen.model.transform import Vector
     from wsgen.ros_nodes.simulator.host import Host, RobotHandle
 
-STILL = (0.0, 0.0, 0.0)
 DIMENSIONS = (2, 3)
 INERTIAL = ("/world", "world", "/map", "map")  # frames of p3d that are that of the world
 
@@ -71,7 +73,7 @@ def _offset(element: Element, *names: str) -> Pose:
     values: list[Vector] = []
     for kind in ("xyz", "rpy"):
         name = next((f"{kind}_{one}" for one in names if element.get(f"{kind}_{one}")), "")
-        x, y, z = vector(element, name, STILL) if name else STILL
+        x, y, z = vector(element, name or f"{kind}_{names[0]}")
         values.append((x, y, z))
     return Pose(xyz=values[0], rpy=values[1])
 
@@ -81,25 +83,21 @@ class OdometryPublisher(Plugin):
 
     def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
         self._host, self._robot = host, robot
-        frequency = number(element, "odom_publish_frequency", 50.0)
+        frequency = number(element, "odom_publish_frequency")
         self.period = 1 / frequency if frequency > 0 else host.step_seconds
-        self._dimensions = round(number(element, "dimensions", 2))
+        self._dimensions = int(number(element, "dimensions"))
         if self._dimensions not in DIMENSIONS:
             raise CannotWorkError(f"its <dimensions> is {self._dimensions}. Write 2 or 3.")
         self._offset = _offset(element, "offset")
-        self._noise = _Noise(number(element, "gaussian_noise", 0.0), robot.entity)
-        model = f"/model/{robot.entity}"
+        self._noise = _Noise(number(element, "gaussian_noise"), robot.entity)
+        topics = topics_of(host, robot, element)
         self._plain, self._covariant = (
-            host.publisher(robot, Odometry, element.get(name) or f"{model}/{default}")
-            for name, default in (
-                ("odom_topic", "odometry"),
-                ("odom_covariance_topic", "odometry_with_covariance"),
-            )
+            host.publisher(robot, Odometry, topics[use]) for use in ("odometry", "covariance")
         )
-        self._tf = host.publisher(robot, TFMessage, element.get("tf_topic") or f"{model}/pose")
-        base = element.get("robot_base_frame") or f"{robot.entity}/base_footprint"
+        self._tf = host.publisher(robot, TFMessage, topics["tf"])
+        base = text(element, "robot_base_frame", robot)
         self._message = Odometry(child_frame_id=base)
-        self._message.header.frame_id = element.get("odom_frame") or f"{robot.entity}/odom"
+        self._message.header.frame_id = text(element, "odom_frame", robot)
         self._message_with_covariance = Odometry(child_frame_id=base)
         covariance = self._noise.covariance()
         self._message_with_covariance.pose.covariance = covariance
@@ -154,7 +152,7 @@ class GroundTruth(Plugin):
 
     def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
         self._host, self._robot = host, robot
-        rate = number(element, "update_rate", 0.0)
+        rate = number(element, "update_rate")
         self.period = 1 / rate if rate > 0 else host.step_seconds
         links = [link.name for link in robot.robot.links]
         self._link = element.get("body_name")
@@ -163,7 +161,7 @@ class GroundTruth(Plugin):
                 f"the robot has no link `{self._link}` in Gazebo, which merges links that fixed "
                 f"joints join. Write one of these into <body_name>: {', '.join(links)}."
             )
-        frame = element.get("frame_name", "world")
+        frame = text(element, "frame_name", robot)
         self._reference = frame if frame not in INERTIAL else None
         if self._reference is not None and self._reference not in links:
             host.warn(
@@ -172,9 +170,10 @@ class GroundTruth(Plugin):
             )
             self._reference = None
         self._offset = _offset(element, "offset", "offsets")
-        self._noise = _Noise(number(element, "gaussian_noise", 0.0), robot.entity)
+        self._noise = _Noise(number(element, "gaussian_noise"), robot.entity)
         self._node = host.node(name=element.attributes.get("name"), ros=element.find("ros"))
-        self._publisher = host.publisher(robot, Odometry, "odom", node=self._node, depth=5)
+        topic = topics_of(host, robot, element)["odometry"]
+        self._publisher = host.publisher(robot, Odometry, topic, node=self._node, depth=5)
         self._message = Odometry(child_frame_id=self._link)
         self._message.header.frame_id = frame
         covariance = self._noise.covariance()
@@ -211,40 +210,66 @@ class GroundTruth(Plugin):
 class PosePublisher(Plugin):
     """`gz-sim-pose-publisher-system`: poses of the links in their model, and of that in the world.
 
-    Poses of visuals, collisions and sensors are not published, nor single messages
-    (`use_pose_vector_msg` false).
+    Those of visuals, collisions and sensors are not published. <topic> is read from Gazebo Sim 8.12
+    on. A static publisher has what no joint moves in relation to the root link.
     """
 
     def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
         self._host, self._robot = host, robot
-        frequency = number(element, "update_frequency", -1.0)
-        self.period = 1 / frequency if frequency > 0 else host.update_seconds
-        self._has_links = boolean(element, "publish_link_pose", default=True)
-        nested = boolean(element, "publish_nested_model_pose", default=False)
+        frequency = number(element, "update_frequency")
+        self._every = Timer(1 / frequency if frequency > 0 else 0.0, host.now)
+        frequency = number(element, "static_update_frequency", frequency)
+        self._every_static = Timer(1 / frequency if frequency > 0 else 0.0, host.now)
+        self._has_links = boolean(element, "publish_link_pose")
+        nested = boolean(element, "publish_nested_model_pose")
         self._has_model = boolean(element, "publish_model_pose", default=nested)
-        if not boolean(element, "use_pose_vector_msg", default=False):
-            host.warn(
-                f"`{robot.entity}`: its pose publisher sends one message a pose without "
-                "<use_pose_vector_msg>true</use_pose_vector_msg>, and wsgen sends them together."
-            )
-        # Gazebo reads no <topic>.
-        self._publisher = host.publisher(robot, TFMessage, f"/model/{robot.entity}/pose")
+        for kind in ("visual", "collision", "sensor"):
+            if boolean(element, f"publish_{kind}_pose"):
+                host.warn(
+                    f"`{robot.entity}`: wsgen does not publish the poses of <publish_{kind}_pose>."
+                )
+        self._are_together = boolean(element, "use_pose_vector_msg")
+        topics = topics_of(host, robot, element)
+        message = TFMessage if self._are_together else TransformStamped
+        uses = ("poses", "static") if self._are_together else ("pose", "single static")
+        self._publisher, self._static = (
+            host.publisher(robot, message, topics[use]) if use in topics else None for use in uses
+        )
+        self._movable = {
+            link for joint in robot.robot.movable_joints for link in (joint.parent, joint.child)
+        } - {robot.robot.root}
 
     def update(self) -> None:
-        """Publish them."""
-        if not self._publisher.is_wanted:
+        """Publish what is due."""
+        now = self._host.now
+        timers = [self._every]
+        if self._static is None:
+            if self._every.is_due(now):
+                self._publish(self._publisher, is_wanted=lambda _: True)
+        else:
+            timers.append(self._every_static)
+            if self._every_static.is_due(now):
+                self._publish(self._static, is_wanted=lambda link: link not in self._movable)
+            if self._every.is_due(now):
+                self._publish(self._publisher, is_wanted=lambda link: link in self._movable)
+        self.period = max(self._host.update_seconds, until_next(now, *timers))
+
+    def _publish(self, publisher: Any, is_wanted: Callable[[str | None], bool]) -> None:
+        """Publish the poses of the links that are wanted, and of the model, whose link is None."""
+        if not publisher.is_wanted:
             return
         entity, root = self._robot.entity, self._robot.robot.root
         poses, stamp = self._robot.link_poses(), self._host.stamp()
         model = poses[root]
         placed: list[tuple[str, str, Pose]] = []
-        if self._has_model:
+        if self._has_model and is_wanted(None):
             placed.append((self._host.world, entity, model))
         if self._has_links:
             from_world = invert(model)
             placed += [
                 (entity, f"{entity}/{link}", compose(from_world, pose))
                 for link, pose in poses.items()
+                if is_wanted(link)
             ]
         transforms = []
         for frame, child, pose in placed:
@@ -252,4 +277,13 @@ class PosePublisher(Plugin):
             message.header.stamp, message.header.frame_id = stamp, frame
             set_transform_to(message.transform, pose)
             transforms.append(message)
-        self._publisher.publish(TFMessage(transforms=transforms))
+        if not self._are_together:
+            for message in transforms:
+                publisher.publish(message)
+        elif transforms:
+            publisher.publish(TFMessage(transforms=transforms))
+
+    def reset(self) -> None:
+        """Begin again."""
+        for timer in (self._every, self._every_static):
+            timer.reset(self._host.now)

@@ -10,20 +10,22 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from geometry_msgs.msg import TransformStamped, Twist
-from nav_msgs.msg import Odometry
 from tf2_msgs.msg import TFMessage
 
 from wsgen.model.transform import rotate, rotation_of_quaternion
-from wsgen.ros_nodes.simulator.elements import boolean, number, vector
+from wsgen.ros_nodes.simulator.elements import number, topics_of, vector
 from wsgen.ros_nodes.simulator.host import Plugin
 from wsgen.ros_nodes.simulator.messages import (
     can_follow_twist,
     in_heading,
-    planar_covariance,
     set_pose,
     set_transform,
     set_twist,
     yaw_of,
+)
+from wsgen.ros_nodes.simulator.plugins.classic_odometry import (
+    classic_odometry,
+    classic_publishers,
 )
 from wsgen.ros_nodes.simulator.timing import Timer, until_next
 
@@ -40,32 +42,21 @@ class PlanarMove(Plugin):
 
     def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
         self._host, self._robot = host, robot
-        self._control, self._publishing = (
-            Timer(1 / rate if rate > 0 else host.step_seconds, host.now)
-            for rate in (number(element, name, 20.0) for name in ("update_rate", "publish_rate"))
-        )
+        rate, publish_rate = (number(element, name) for name in ("update_rate", "publish_rate"))
+        self._control = Timer(1 / rate if rate > 0 else host.step_seconds, host.now)
+        # As in the plugin, which looks at the other rate and divides by this one: 1 / 0 is never.
+        self._is_silent = rate > 0 and publish_rate == 0
+        every = 1 / publish_rate if rate > 0 and publish_rate > 0 else host.step_seconds
+        self._publishing = Timer(every, host.now)
         self._node = host.node(name=element.attributes.get("name"), ros=element.find("ros"))
         self._command = (0.0, 0.0, 0.0)  # m/s, m/s, rad/s
-        host.subscription(robot, Twist, "cmd_vel", self._take, node=self._node, depth=1)
-        self._publisher = (
-            host.publisher(robot, Odometry, "odom", node=self._node, depth=1)
-            if boolean(element, "publish_odom", default=True)
-            else None
+        topics = topics_of(host, robot, element)
+        host.subscription(robot, Twist, topics["command"], self._take, node=self._node, depth=1)
+        self._publisher, self._tf = classic_publishers(host, robot, element, self._node)
+        self._odometry = classic_odometry(robot, element)
+        self._transforms = TFMessage(
+            transforms=[TransformStamped(child_frame_id=self._odometry.child_frame_id)]
         )
-        self._tf = (
-            host.publisher(robot, TFMessage, "/tf", node=self._node, depth=100)
-            if boolean(element, "publish_odom_tf", default=True)
-            else None
-        )
-        base = element.get("robot_base_frame", "base_footprint")
-        self._odometry = Odometry(child_frame_id=base)
-        self._odometry.header.frame_id = element.get("odometry_frame", "odom")
-        self._odometry.pose.covariance = self._odometry.twist.covariance = planar_covariance(
-            number(element, "covariance_x", 1e-5),
-            number(element, "covariance_y", 1e-5),
-            number(element, "covariance_yaw", 1e-3),
-        )
-        self._transforms = TFMessage(transforms=[TransformStamped(child_frame_id=base)])
 
     def _take(self, message: Any) -> None:
         if can_follow_twist(self._host, message, self._node.resolve_topic_name("cmd_vel")):
@@ -81,7 +72,7 @@ class PlanarMove(Plugin):
             self._robot.set_velocity(
                 (ahead * cos - left * sin, left * cos + ahead * sin, 0.0), (0.0, 0.0, turning)
             )
-        if self._publishing.is_due(now):
+        if self._publishing.is_due(now) and not self._is_silent:
             self._publish()
         self.period = until_next(now, self._control, self._publishing)
 
@@ -117,12 +108,9 @@ class VelocityControl(Plugin):
     def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
         self._host, self._robot = host, robot
         self.period = host.step_seconds  # nothing slows the robot down
-        still = (0.0, 0.0, 0.0)
-        self._initial = tuple(
-            vector(element, f"initial_{kind}", still) for kind in ("linear", "angular")
-        )
+        self._initial = tuple(vector(element, f"initial_{kind}") for kind in ("linear", "angular"))
         self._linear, self._angular = self._initial
-        self._topic = element.get("topic") or f"/model/{robot.entity}/cmd_vel"
+        self._topic = topics_of(host, robot, element)["command"]
         host.subscription(robot, Twist, self._topic, self._take)
         if element.find("link_name") is not None:
             host.warn(

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from wsgen.ros_nodes.simulator.elements import boolean, number
+from wsgen.ros_nodes.simulator.elements import boolean, number, text
 from wsgen.ros_nodes.simulator.host import CannotWorkError, Plugin
 from wsgen.ros_nodes.simulator.ros2_control.hardware import Interfaces, read_hardware
 from wsgen.ros_nodes.simulator.ros2_control.joints import JointSystem, Settings
@@ -49,7 +49,7 @@ class Ros2Control(Plugin):
         ros = element.find("ros")
         self._manager = ControllerManager(
             host.ros,
-            name=element.get("controller_manager_name") or "controller_manager",
+            name=text(element, "controller_manager_name", robot),
             namespace="/" if ros is None else f"/{ros.get('namespace').strip('/')}",
             arguments=[] if ros is None else _remappings(ros),
             files=files,
@@ -116,8 +116,8 @@ class Ros2Control(Plugin):
             Settings(
                 simulator=host.simulator,
                 rate=1.0 / self._period,
-                hold=boolean(self._element, "hold_joints", default=True),
-                gain=number(self._element, "position_proportional_gain", 0.1),
+                hold=boolean(self._element, "hold_joints"),
+                gain=number(self._element, "position_proportional_gain"),
             ),
         )
         self._system.begin()

@@ -7,7 +7,7 @@ the robot stays where it is.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from wsgen.model.robot import LITTLE_GRIP
 from wsgen.model.transform import compose, invert
@@ -17,6 +17,7 @@ from wsgen.simulation.surfaces import UnreadError, reach_down, there
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
 
+    from wsgen.model.behavior import WheelPair
     from wsgen.ros_nodes.simulator.host import Host, RobotHandle
 
 WINDOW = 2.0  # s, simulated
@@ -30,20 +31,11 @@ NAMED = 2  # at most so many wheels are named
 CLEAR = 0.02  # m above the lowest point of the wheels; what is higher does not drag on flat ground
 
 
-class Wheels(NamedTuple):
-    """Two wheels on one axle."""
-
-    left: str  # joint
-    right: str
-    separation: float  # m
-    radius: float  # m
-
-
 class SlipWatch:
     """Compares twice in four seconds how a robot has moved with how its wheels have turned."""
 
     def __init__(
-        self, host: Host, robot: RobotHandle, wheels: Wheels, driven: Collection[str]
+        self, host: Host, robot: RobotHandle, wheels: WheelPair, driven: Collection[str]
     ) -> None:
         """Watch two wheels of a robot, of all `driven` joints; `host` reports their slip."""
         self._host, self._robot, self._wheels = host, robot, wheels

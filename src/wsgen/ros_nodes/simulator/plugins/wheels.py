@@ -1,38 +1,10 @@
-"""How wheels turn for a velocity of the robot, and where it is by how they turned. SI units."""
+"""Where a robot is by how its wheels have turned. SI units."""
 
 from __future__ import annotations
 
 import math
 
-from wsgen.values import dataclass
-
 STRAIGHT = 1e-6  # rad, of an arc that is as good as straight
-
-
-@dataclass(frozen=True, kw_only=True)
-class Limits:
-    """How fast a velocity may be and change, as `gz::math::SpeedLimiter` has it."""
-
-    slowest: float = -math.inf
-    fastest: float = math.inf
-    braking: float = -math.inf  # the lowest acceleration
-    acceleration: float = math.inf
-    least_jerk: float = -math.inf
-    jerk: float = math.inf
-
-    def next(self, wanted: float, last: float, before: float, seconds: float) -> float:
-        """The velocity so many seconds after the last one, which came after the one before."""
-        if seconds <= 0:
-            return _clamp(wanted, self.slowest, self.fastest)
-        old = (last - before) / seconds
-        new = (wanted - last) / seconds
-        new = old + _clamp((new - old) / seconds, self.least_jerk, self.jerk) * seconds
-        new = _clamp(new, self.braking, self.acceleration)
-        return _clamp(last + new * seconds, self.slowest, self.fastest)
-
-
-def _clamp(value: float, low: float, high: float) -> float:
-    return min(high, max(low, value))
 
 
 class WheelOdometry:

@@ -15,7 +15,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from wsgen.model.gazebo_plugins import stem
+from wsgen.gazebo.plugins import ROS_1_PLUGINS, stem
 from wsgen.model.transform import compose, rotate, rotation_of_rpy
 from wsgen.ros_nodes.simulator.elements import number
 from wsgen.ros_nodes.simulator.host import CannotWorkError, Plugin
@@ -40,17 +40,6 @@ TELL_AFTER = 5  # measurements
 ENOUGH = 1.2  # times the period of the description: what is not longer is not reported
 FASTEST_PERIOD = 0.01  # s, of a sensor that gives no rate: Gazebo's measures in every step
 FRAME_NAMES = ("frame_id", "gz_frame_id", "ignition_frame_id")
-# ROS 1's plugins for sensors, and what ROS 2 has instead.
-OF_ROS_1 = {
-    "gazebo_ros_laser": "libgazebo_ros_ray_sensor.so",
-    "gazebo_ros_gpu_laser": "libgazebo_ros_ray_sensor.so",
-    "gazebo_ros_block_laser": "libgazebo_ros_ray_sensor.so",
-    "gazebo_ros_range": "libgazebo_ros_ray_sensor.so",
-    "gazebo_ros_imu": "libgazebo_ros_imu_sensor.so",
-    "gazebo_ros_depth_camera": "libgazebo_ros_camera.so",
-    "gazebo_ros_openni_kinect": "libgazebo_ros_camera.so",
-    "gazebo_ros_multicamera": "libgazebo_ros_camera.so",
-}
 
 # By simulator and sensor: how many seconds of CPU time it takes in a simulated one.
 _loads: WeakKeyDictionary[Host, WeakKeyDictionary[Sensor, float]] = WeakKeyDictionary()
@@ -149,7 +138,7 @@ class Sensor(Plugin):
         """
         for plugin in self.sensor.plugins:
             filename = plugin.attributes.get("filename", "")
-            instead = OF_ROS_1.get(stem(filename))
+            instead = ROS_1_PLUGINS.get(stem(filename))
             if stem(filename) in names:
                 yield plugin
             elif instead is not None:

@@ -50,48 +50,6 @@ DEFAULT_SYSTEMS = ("Physics", "UserCommands", "SceneBroadcaster")
 WITH_MERGED_DEFAULTS = ("kilted", "lyrical", "rolling")
 # Those of the worlds that Gazebo ships and people start robots in.
 OF_SHIPPED_WORLDS = {"empty.sdf": (*DEFAULT_SYSTEMS, "Contact")}
-# Kind of a sensor -> the system without which it sends nothing. Where a robot or model has the
-# system it works for all, but for the default ones, which ask for the name of a world.
-SYSTEM_OF_SENSOR = {
-    **dict.fromkeys(
-        (
-            *("camera", "multicamera", "depth", "depth_camera", "rgbd", "rgbd_camera"),
-            *("thermal", "thermal_camera", "segmentation", "segmentation_camera"),
-            *("boundingbox", "boundingbox_camera", "wideanglecamera", "wide_angle_camera"),
-            *("gpu_ray", "gpu_lidar"),
-        ),
-        "Sensors",
-    ),
-    **dict.fromkeys(("ray", "lidar"), "CpuLidar"),  # of Rotary; older ones have none
-    **dict.fromkeys(("gps", "navsat"), "NavSat"),
-    "imu": "Imu",
-    "contact": "Contact",
-    "force_torque": "ForceTorque",
-    "altimeter": "Altimeter",
-    "air_pressure": "AirPressure",
-    "air_speed": "AirSpeed",
-    "magnetometer": "Magnetometer",
-    "logical_camera": "LogicalCamera",
-}
-# System of a robot, as `wsgen.model.gazebo_plugins.stem` gives it -> the other systems without
-# which it does nothing; none for those that work by themselves.
-SYSTEMS_OF_PLUGIN: dict[str, tuple[str, ...]] = {
-    **dict.fromkeys(
-        (
-            *("ackermann-steering", "apply-joint-force", "diff-drive", "joint-controller"),
-            *("joint-position-controller", "joint-state-publisher", "mecanum-drive"),
-            *("joint-trajectory-controller", "velocity-control"),
-            *("gz_ros2_control-system", "ign_ros2_control-system"),
-        ),
-        ("Physics",),
-    ),
-    **dict.fromkeys(("linearbatteryplugin", "odometry-publisher", "pose-publisher"), ()),
-    # What wsgen does not simulate.
-    "opticaltactileplugin": ("Contact", "Sensors"),
-    "touchplugin": ("Contact",),
-    "thermal-sensor": ("Sensors",),
-    "camera-video-recorder": ("Sensors",),
-}
 MOST_LETTERS = 2  # more or fewer of a misspelled name
 SURELY = 0.8  # so alike two names are, as difflib counts, that one is the other misspelled
 

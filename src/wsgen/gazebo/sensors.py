@@ -1,0 +1,64 @@
+"""The sensors of Gazebo: the topics that they have in Gazebo Sim, and the systems that they need.
+
+Source: gazebosim/gz-sensors; gazebosim/gz-sim, src/systems.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+_LIDAR = (("", "LaserScan"), ("/points", "PointCloudPacked"))
+_DEPTH = (("", "Image"), ("/points", "PointCloudPacked"))
+_RGBD = (
+    ("/image", "Image"),
+    ("/depth_image", "Image"),
+    ("/points", "PointCloudPacked"),
+    ("/camera_info", "CameraInfo"),
+)
+
+
+class SensorTopics(NamedTuple):
+    """The topics of a kind of sensors in Gazebo Sim."""
+
+    default: str  # what ends the name of its own topic
+    topics: tuple[tuple[str, str], ...]  # what comes after its own topic, with the types
+    has_info: bool = False  # beside its own topic is a `camera_info`
+
+
+SENSORS = {
+    **dict.fromkeys(("gpu_lidar", "gpu_ray", "lidar", "ray"), SensorTopics("/scan", _LIDAR)),
+    "imu": SensorTopics("/imu", (("", "IMU"),)),
+    "camera": SensorTopics("/image", (("", "Image"),), has_info=True),
+    **dict.fromkeys(("depth", "depth_camera"), SensorTopics("/depth_image", _DEPTH, has_info=True)),
+    **dict.fromkeys(("rgbd", "rgbd_camera"), SensorTopics("", _RGBD)),
+    "contact": SensorTopics("/contact", (("", "Contacts"),)),
+    "force_torque": SensorTopics("/forcetorque", (("", "Wrench"),)),
+    "magnetometer": SensorTopics("/magnetometer", (("", "Magnetometer"),)),
+    "air_pressure": SensorTopics("/air_pressure", (("", "FluidPressure"),)),
+    "altimeter": SensorTopics("/altimeter", (("", "Altimeter"),)),
+    **dict.fromkeys(("navsat", "gps"), SensorTopics("/navsat", (("", "NavSat"),))),
+}
+
+# Kind of a sensor -> the system without which it sends nothing. Where a robot or model has the
+# system it works for all, but for the default ones, which ask for the name of a world.
+SYSTEM_OF_SENSOR = {
+    **dict.fromkeys(
+        (
+            *("camera", "multicamera", "depth", "depth_camera", "rgbd", "rgbd_camera"),
+            *("thermal", "thermal_camera", "segmentation", "segmentation_camera"),
+            *("boundingbox", "boundingbox_camera", "wideanglecamera", "wide_angle_camera"),
+            *("gpu_ray", "gpu_lidar"),
+        ),
+        "Sensors",
+    ),
+    **dict.fromkeys(("ray", "lidar"), "CpuLidar"),  # of Rotary; older ones have none
+    **dict.fromkeys(("gps", "navsat"), "NavSat"),
+    "imu": "Imu",
+    "contact": "Contact",
+    "force_torque": "ForceTorque",
+    "altimeter": "Altimeter",
+    "air_pressure": "AirPressure",
+    "air_speed": "AirSpeed",
+    "magnetometer": "Magnetometer",
+    "logical_camera": "LogicalCamera",
+}
