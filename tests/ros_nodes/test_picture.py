@@ -186,12 +186,17 @@ def test_the_field_of_view_makes_the_focal_length() -> None:
 
 def test_classic_has_its_center_half_a_pixel_beside_the_middle() -> None:
     spec = spec_of()
-    found = classic_intrinsics(element("<plugin/>"), spec)
+    found = classic_intrinsics(element('<plugin filename="libgazebo_ros_camera.so"/>'), spec)
     assert found.center == (50.5, 25.5)
     shifted = classic_intrinsics(
-        element("<plugin><hack_baseline>0.07</hack_baseline></plugin>"), spec
+        element(
+            '<plugin filename="libgazebo_ros_camera.so"><hack_baseline>0.07</hack_baseline>'
+            "<rectification_matrix>1 0 0 0 1 0 0.5 0 1</rectification_matrix></plugin>"
+        ),
+        spec,
     )
     assert shifted.p[3] == pytest.approx(-0.07 * spec.lens.focal)
+    assert shifted.rectification[6] == 0.5
 
 
 def test_intrinsics_may_be_written() -> None:

@@ -17,6 +17,7 @@ import pytest
 from ros_nodes.cars import CAR
 from ros_nodes.fake_ros import live_scene, plugin, simulation_of
 from ros_nodes.sensor_messages import install_sensor_messages
+from ros_nodes.test_sensors import SURROUNDINGS, mounted, simulated
 from wsgen.gazebo.plugins import CLASSIC, OF_CLASSIC, PLUGINS, SIM, Default, stem
 from wsgen.gazebo.sensors import SYSTEM_OF_SENSOR
 from wsgen.gazebo.systems import DEFAULT_SYSTEMS, systems
@@ -44,6 +45,18 @@ gazebo_ros_ackermann_drive gazebo_plugins/src/gazebo_ros_ackermann_drive.cpp
  publish_odom=false publish_odom_tf=false publish_wheel_tf=false publish_distance=false
  publish_steerangle=false odometry_frame=odom robot_base_frame=base_footprint
  covariance_x=0.00001 covariance_y=0.00001 covariance_yaw=0.001
+gazebo_ros_bumper gazebo_plugins/src/gazebo_ros_bumper.cpp
+ ros=- frame_name=world
+gazebo_ros_camera gazebo_plugins/src/gazebo_ros_camera.cpp
+ ros=- camera_name=- frame_name=- triggered=false cx=- cy=- focal_length=0 border_crop=true
+ hack_baseline=0 rectification_matrix=1,0,0,0,1,0,0,0,1 P_fx=- P_cx=- Tx=- P_fy=- P_cy=- Ty=0
+ min_depth=0.4 max_depth=inf
+gazebo_ros_gps_sensor gazebo_plugins/src/gazebo_ros_gps_sensor.cpp
+ ros=- frame_name=-
+gazebo_ros_imu_sensor gazebo_plugins/src/gazebo_ros_imu_sensor.cpp
+ ros=- frame_name=- initial_orientation_as_reference=false
+gazebo_ros_ray_sensor gazebo_plugins/src/gazebo_ros_ray_sensor.cpp
+ ros=- frame_name=- output_type=sensor_msgs/PointCloud2 radiation_type=infrared min_intensity=0
 gazebo_ros_diff_drive gazebo_plugins/src/gazebo_ros_diff_drive.cpp
  ros=- left_joint=- right_joint=- num_wheel_pairs=1 max_wheel_acceleration=0 max_wheel_torque=5
  wheel_separation=0.34 wheel_diameter=0.15 update_rate=100 odometry_frame=odom
@@ -151,6 +164,11 @@ PARTS = {
     "actuator_number": "0",
     "recharge_by_topic": "true",
 }
+OF_SENSORS = {
+    name
+    for name, one in PLUGINS.items()
+    if one.parameters and name not in SIMULATED and name not in WORLD_PLUGINS
+}
 OF_ROBOTS = [name for name in SIMULATED if "ros2_control" not in name]  # controllers have tests
 
 
@@ -257,8 +275,8 @@ def test_parameters_are_those_of_the_source(name: str, defaults: dict[str, Defau
 
 def test_what_is_simulated_is_known_and_what_is_known_is_simulated() -> None:
     known_whole = {name for name, one in PLUGINS.items() if one.parameters}
-    assert known_whole == SIMULATED.keys() | WORLD_PLUGINS.keys()
-    assert {name for name, _ in rows()} == {*OF_ROBOTS, *WORLD_PLUGINS}
+    assert known_whole == SIMULATED.keys() | WORLD_PLUGINS.keys() | OF_SENSORS
+    assert {name for name, _ in rows()} == {*OF_ROBOTS, *WORLD_PLUGINS, *OF_SENSORS}
     assert SENSORS.keys() <= SYSTEM_OF_SENSOR.keys()
     classes = {one for names in systems().values() for one in names}
     needed = {system for one in PLUGINS.values() for system in one.needs}
@@ -301,6 +319,31 @@ def test_live_runs_read_all_parameters(name: str, monkeypatch: pytest.MonkeyPatc
         _, warnings = started(name, content_of(name, flags=flags))
         assert not any("does not work" in one for one in warnings), warnings
     assert asked == PLUGINS[name].parameters.keys()
+
+
+def test_sensors_take_the_plugins_that_are_known_and_read_their_parameters(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Each kind of sensor is given all plugins of Gazebo Classic."""
+    asked: dict[str, set[str]] = {}
+    find_all = Element.find_all
+
+    def noted(element: Element, path: str) -> Iterator[Element]:
+        if element.tag == "plugin":
+            name = stem(element.attributes["filename"])
+            asked.setdefault(name, set()).add(path.partition("/")[0])
+        return find_all(element, path)
+
+    monkeypatch.setattr(Element, "find_all", noted)
+    plugins = "".join(f'<plugin filename="lib{name}.so" name="p"/>' for name in OF_CLASSIC)
+    content = "<contact/><ray><range><max>9</max></range></ray><imu/>"
+    for kind in SENSORS:
+        sensor = mounted(f'<sensor name="s" type="{kind}">{content}{plugins}</sensor>')
+        assert list(simulated(sensor, surroundings=SURROUNDINGS))
+    assert asked.keys() == OF_SENSORS
+    for name, found in asked.items():
+        known = PLUGINS[name]
+        assert found == known.parameters.keys() - set(known.not_simulated), name
 
 
 @pytest.mark.parametrize("name", [*OF_ROBOTS, *WORLD_PLUGINS])

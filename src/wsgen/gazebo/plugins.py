@@ -69,6 +69,7 @@ class GazeboPlugin(NamedTuple):
     """What is known of a plugin."""
 
     parameters: Parameters = _NOTHING  # all that it reads; none: not looked up
+    not_simulated: tuple[str, ...] = ()  # those of them that live runs do not read
     joints: tuple[str, ...] = ()  # the parameters that name joints of the robot
     links: tuple[str, ...] = ()  # likewise, links
     required: tuple[str, ...] = ()  # the parameters without which it does nothing
@@ -250,6 +251,22 @@ PLUGINS: dict[str, GazeboPlugin] = {
             "steerangle": Topic("std_msgs/Float32", "steerangle", when="publish_steerangle"),
         },
     ),
+    "gazebo_ros_bumper": GazeboPlugin(parameters={"ros": None, "frame_name": "world"}),
+    "gazebo_ros_camera": GazeboPlugin(
+        parameters={
+            **dict.fromkeys(("ros", "camera_name", "frame_name", "cx", "cy")),
+            "focal_length": 0.0,
+            "hack_baseline": 0.0,
+            "border_crop": True,
+            "rectification_matrix": (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
+            **dict.fromkeys(("P_fx", "P_fy", "P_cx", "P_cy", "Tx")),
+            "Ty": 0.0,
+            "min_depth": 0.4,
+            "max_depth": math.inf,
+            "triggered": False,
+        },
+        not_simulated=("border_crop",),  # lenses do not distort
+    ),
     "gazebo_ros_diff_drive": GazeboPlugin(
         parameters={
             **dict.fromkeys((*TWO_WHEELS, "ros")),
@@ -281,6 +298,10 @@ PLUGINS: dict[str, GazeboPlugin] = {
         joints=("joint_name",),
         links=("body_name",),
         topics={"wrench": Topic("geometry_msgs/WrenchStamped", "wrench")},
+    ),
+    "gazebo_ros_gps_sensor": GazeboPlugin(parameters=dict.fromkeys(("ros", "frame_name"))),
+    "gazebo_ros_imu_sensor": GazeboPlugin(
+        parameters={"ros": None, "frame_name": None, "initial_orientation_as_reference": False}
     ),
     "gazebo_ros_joint_pose_trajectory": GazeboPlugin(
         parameters={"ros": None, "update_rate": 100.0},
@@ -323,6 +344,15 @@ PLUGINS: dict[str, GazeboPlugin] = {
             "odometry": _ODOM,
             "tf": _TF._replace(when="publish_odom_tf"),
         },
+    ),
+    "gazebo_ros_ray_sensor": GazeboPlugin(
+        parameters={
+            "ros": None,
+            "frame_name": None,
+            "output_type": "sensor_msgs/PointCloud2",
+            "radiation_type": "infrared",
+            "min_intensity": 0.0,
+        }
     ),
     "gazebo_ros_state": GazeboPlugin(
         parameters={"ros": None, "update_rate": 100.0},

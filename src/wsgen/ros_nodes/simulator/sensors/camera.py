@@ -54,7 +54,6 @@ if TYPE_CHECKING:
 CAMERA_PLUGIN = ("gazebo_ros_camera",)
 DEPTH_KINDS = ("depth", "depth_camera")
 RGBD_KINDS = ("rgbd_camera", "rgbd")
-CLASSIC_NEAREST = 0.4  # m, of a depth camera without <min_depth>
 
 
 class Eye(NamedTuple):
@@ -142,11 +141,11 @@ class Camera(Sensor):
                     tuple(infos),
                     publisher(Image, f"{base}/depth/image_raw") if self.is_depth else None,
                     publisher(PointCloud2, f"{base}/points", 1) if self.is_depth else None,
-                    number(plugin, "min_depth", CLASSIC_NEAREST),
-                    number(plugin, "max_depth", spec.far),
+                    number(plugin, "min_depth"),
+                    min(spec.far, number(plugin, "max_depth")),
                 )
             )
-        if boolean(plugin, "triggered", default=False):
+        if boolean(plugin, "triggered"):
             self._take_triggers(f"{name}/image_trigger", node)
 
     def _open_gz(self, camera: Element) -> None:
@@ -271,7 +270,7 @@ class Camera(Sensor):
         message.distortion_model = "plumb_bob"
         message.d = list(eye.spec.distortion)
         message.k = eye.intrinsics.k
-        message.r = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
+        message.r = list(eye.intrinsics.rectification)
         message.p = eye.intrinsics.p
         return message
 

@@ -21,6 +21,7 @@ import numpy as np
 from geometry_msgs.msg import Vector3, Wrench
 
 from wsgen.model.transform import compose
+from wsgen.ros_nodes.simulator.elements import text
 from wsgen.ros_nodes.simulator.sensors.mounting import NEVER, Sensor, rotation, sensor_qos
 from wsgen.ros_nodes.simulator.sensors.touching import (
     collision_names,
@@ -71,7 +72,7 @@ class ContactSensor(Sensor):
                     node=self.classic_node(plugin),
                     qos=sensor_qos(plugin, "bumper_states"),
                 )
-                self.outputs.append((publisher, plugin.get("frame_name", "world")))
+                self.outputs.append((publisher, text(plugin, "frame_name", robot)))
         else:
             from ros_gz_interfaces import msg  # noqa: PLC0415  of Gazebo Sim alone
 

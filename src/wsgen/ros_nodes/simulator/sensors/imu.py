@@ -44,7 +44,7 @@ class Imu(Sensor):
         if host.simulator == "classic":
             for plugin in self.classic_plugins(IMU_SENSOR):
                 self._open_classic(plugin)
-                if not boolean(plugin, "initial_orientation_as_reference", default=False):
+                if not boolean(plugin, "initial_orientation_as_reference"):
                     reference = np.eye(3)
         else:
             reference = reference_of(imu)

@@ -25,7 +25,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from sensor_msgs.msg import ChannelFloat32, LaserScan, PointCloud, PointCloud2, Range
 
-from wsgen.ros_nodes.simulator.elements import number
+from wsgen.ros_nodes.simulator.elements import number, text
 from wsgen.ros_nodes.simulator.host import CannotWorkError
 from wsgen.ros_nodes.simulator.sensors.clouds import FLOAT32, UINT16, fill_cloud, layout
 from wsgen.ros_nodes.simulator.sensors.inside import Housings
@@ -134,14 +134,14 @@ class Lidar(Sensor):
             self.period = NEVER
 
     def _classic(self, plugin: Element) -> Output:
-        written = plugin.get("output_type", "sensor_msgs/PointCloud2")
+        written = text(plugin, "output_type", self.robot)
         kind = TYPES.get(written)
         if kind is None:
             raise CannotWorkError(
                 f"its <output_type> is `{written}`. Write one of {', '.join(TYPES)}."
             )
-        radiation = plugin.get("radiation_type", "infrared")
-        if radiation not in RADIATION:
+        radiation = text(plugin, "radiation_type", self.robot)
+        if kind is Range and radiation not in RADIATION:
             raise CannotWorkError(
                 f"its <radiation_type> is `{radiation}`. Write ultrasound or infrared."
             )
@@ -153,8 +153,8 @@ class Lidar(Sensor):
             qos=sensor_qos(plugin, "~/out"),
         )
         output = Output(publisher, kind, self.classic_frame(plugin))
-        output.least_intensity = number(plugin, "min_intensity", 0.0)
-        output.radiation = RADIATION[radiation]
+        output.least_intensity = number(plugin, "min_intensity")
+        output.radiation = RADIATION.get(radiation, output.radiation)
         return output
 
     def update(self) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 from wsgen.model.devices import pose_of
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.rendering.sensor_camera import Lens, focal_length
-from wsgen.ros_nodes.simulator.elements import number
+from wsgen.ros_nodes.simulator.elements import number, vector
 from wsgen.ros_nodes.simulator.host import CannotWorkError
 from wsgen.ros_nodes.simulator.sensors.clouds import FLOAT32, layout
 from wsgen.values import dataclass
@@ -67,6 +67,7 @@ class Intrinsics(NamedTuple):
     projected_focal: tuple[float, float]
     projected_center: tuple[float, float]
     shift: tuple[float, float] = (0.0, 0.0)  # Tx, Ty
+    rectification: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)  # by rows
 
     @property
     def k(self) -> list[float]:
@@ -150,14 +151,15 @@ def classic_intrinsics(plugin: Element, spec: CameraSpec) -> Intrinsics:
         number(plugin, "cx", (lens.width + 1) / 2),
         number(plugin, "cy", (lens.height + 1) / 2),
     )
-    focal = number(plugin, "focal_length", 0.0) or lens.focal
-    baseline = number(plugin, "hack_baseline", 0.0)
+    focal = number(plugin, "focal_length") or lens.focal
+    baseline = number(plugin, "hack_baseline")
     return Intrinsics(
         (focal, focal),
         center,
         (number(plugin, "P_fx", focal), number(plugin, "P_fy", focal)),
         (number(plugin, "P_cx", center[0]), number(plugin, "P_cy", center[1])),
-        (number(plugin, "Tx", -focal * baseline), number(plugin, "Ty", 0.0)),
+        (number(plugin, "Tx", -focal * baseline), number(plugin, "Ty")),
+        vector(plugin, "rectification_matrix"),
     )
 
 
