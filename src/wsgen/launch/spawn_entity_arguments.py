@@ -23,6 +23,7 @@ class _Parser(ArgumentParser):
 
 
 _SECONDS = frozenset(("timeout", "spawn_service_timeout"))
+NUMBERS = _SECONDS | frozenset("xyzRPY")
 
 
 def parse(

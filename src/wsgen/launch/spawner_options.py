@@ -42,7 +42,7 @@ LETTER = 2  # the length of an option of one letter, with which many words begin
 class Options(NamedTuple):
     """What a spawner takes."""
 
-    with_value: frozenset[str]
+    with_value: Mapping[str, str | float | None]  # with what they are without one
     flags: frozenset[str]
     sources: tuple[str, ...]  # what says what is spawned; the first one counts
     entity: str  # the option that names the model
@@ -50,23 +50,19 @@ class Options(NamedTuple):
     is_strict: bool  # refuses unknown options and a second source
     reads_parameters: bool
 
+    @property
+    def names(self) -> frozenset[str]:
+        """All of them."""
+        return self.flags | self.with_value.keys()
+
 
 SPAWN_ENTITY = Options(
-    with_value=frozenset(
-        (
-            "file",
-            "topic",
-            "database",
-            "entity",
-            "reference_frame",
-            "gazebo_namespace",
-            "robot_namespace",
-            "timeout",
-            "spawn_service_timeout",
-            "wait",
-            *POSE,
-        )
-    ),
+    with_value={
+        **dict.fromkeys(("file", "topic", "database", "entity", "wait", "spawn_service_timeout")),
+        **dict.fromkeys(("reference_frame", "gazebo_namespace", "robot_namespace"), ""),
+        "timeout": 30.0,
+        **dict.fromkeys(POSE, 0.0),
+    },
     flags=frozenset(("stdin", "unpause", "package_to_model", "b")),
     sources=("file", "topic", "database", "stdin"),
     entity="entity",
@@ -75,7 +71,7 @@ SPAWN_ENTITY = Options(
     reads_parameters=False,
 )
 CREATE = Options(
-    with_value=frozenset(
+    with_value=dict.fromkeys(
         ("world", "file", "param", "string", "topic", "name", "allow_renaming", *POSE)
     ),
     flags=frozenset(("allow_renaming",)),
@@ -103,7 +99,7 @@ def read_options(process: Process, options: Options) -> Read:
     """The options of a spawner, from its arguments and, where it reads them, its parameters."""
     values, unknown, errors = _read_words(process, options)
     if options.reads_parameters:
-        known = options.with_value | options.flags
+        known = options.names
         given = {
             name: str(value)
             for name, value in process.parameters.items()
@@ -212,29 +208,48 @@ def _read_flags(
     process: Process, words: list[str], options: Options
 ) -> tuple[dict[str, str], list[_Remark], list[_Remark]]:
     """As `_read_words`, of words that gflags reads."""
-    values: dict[str, str] = {}
-    unknown: list[_Remark] = []
-    errors: list[_Remark] = []
-    while words:
-        word = words.pop(0)
+    found = read_flags(words, options)
+    return (
+        found.values,
+        [_unknown(process, word, options) for word in found.unknown],
+        [
+            _Remark(f"{word} of {process.executable} has no value.", f"Add it: {word} VALUE.")
+            for word in found.without_value
+        ],
+    )
+
+
+class Flags(NamedTuple):
+    """What gflags makes of words."""
+
+    values: dict[str, str]
+    unknown: list[str]
+    without_value: list[str]
+
+
+def read_flags(words: Iterable[str], options: Options) -> Flags:
+    """The options of a program that reads them with gflags: `-name a`, `--name=a`."""
+    found = Flags({}, [], [])
+    rest = list(words)
+    while rest:
+        word = rest.pop(0)
         name, has_value, value = word.lstrip("-").partition("=")
         name = name.replace("-", "_")  # gflags takes dashes for underscores
-        if not word.startswith("-") or name not in options.with_value | options.flags:
-            unknown.append(_unknown(process, word, options))
-            if word.startswith("-") and not has_value and words and words[0][:1] != "-":
-                words.pop(0)  # its value
+        if not word.startswith("-") or name not in options.names:
+            found.unknown.append(word)
+            if word.startswith("-") and not has_value and rest and rest[0][:1] != "-":
+                rest.pop(0)  # its value
         elif has_value:
-            values[name] = value
+            found.values[name] = value
         elif name in options.flags and not (
-            name in options.with_value and words and words[0] in {"true", "false"}
+            name in options.with_value and rest and rest[0] in {"true", "false"}
         ):
-            values[name] = "true"
-        elif words:
-            values[name] = words.pop(0)
+            found.values[name] = "true"
+        elif rest:
+            found.values[name] = rest.pop(0)
         else:
-            message = f"{word} of {process.executable} has no value."
-            errors.append(_Remark(message, f"Add it: {word} VALUE."))
-    return values, unknown, errors
+            found.without_value.append(word)
+    return found
 
 
 def _unknown(process: Process, word: str, options: Options) -> _Remark:
@@ -243,7 +258,7 @@ def _unknown(process: Process, word: str, options: Options) -> _Remark:
             f"'{word}' is a single argument of {process.executable}, which does not know it.",
             "Write each option and each value as a separate item of `arguments`.",
         )
-    names = [f"-{name}" for name in sorted(options.with_value | options.flags)]
+    names = [f"-{name}" for name in sorted(options.names)]
     glued = next((name for name in names if len(name) > LETTER and word.startswith(name)), None)
     if glued is not None:
         return _Remark(

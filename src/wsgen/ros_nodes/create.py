@@ -27,6 +27,8 @@ from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import String
 
 from wsgen.isolation.codec import encode
+from wsgen.launch.spawn_entity_arguments import NUMBERS
+from wsgen.launch.spawner_options import CREATE, SPAWN_ENTITY, read_flags
 from wsgen.model.transform import Pose
 from wsgen.ros_nodes.signals import ignore_ends, raise_when_ended
 from wsgen.ros_nodes.simulator_client import SimulatorClient, SimulatorError
@@ -116,7 +118,7 @@ def _spawn_entity(words: list[str], client: SimulatorClient) -> int:
     if options.unpause:
         log.info(f"Calling service {options.gazebo_namespace}/unpause_physics")
         client.ask("unpause")
-    if options.bond:
+    if options.b:
         _stay(options, client, log)
     return 0
 
@@ -145,21 +147,14 @@ def _classic_options() -> argparse.ArgumentParser:
         description="Spawn an entity in Gazebo. wsgen simulates in the place of Gazebo.",
     )
     source = parser.add_mutually_exclusive_group(required=True)
-    source.add_argument("-file", metavar="FILE_NAME")
-    source.add_argument("-topic", metavar="TOPIC_NAME")
-    source.add_argument("-database", metavar="ENTITY_NAME")
-    source.add_argument("-stdin", action="store_true")
-    parser.add_argument("-entity", required=True, metavar="ENTITY_NAME")
-    for name in ("-reference_frame", "-gazebo_namespace", "-robot_namespace"):
-        parser.add_argument(name, default="")
-    parser.add_argument("-timeout", type=float, default=30.0)
-    parser.add_argument("-unpause", action="store_true")
-    parser.add_argument("-wait", metavar="ENTITY_NAME")
-    parser.add_argument("-spawn_service_timeout", type=float, metavar="TIMEOUT")
-    for name in ("-x", "-y", "-z", "-R", "-P", "-Y"):
-        parser.add_argument(name, type=float, default=0.0)
-    parser.add_argument("-package_to_model", action="store_true")
-    parser.add_argument("-b", dest="bond", action="store_true")
+    for name, default in SPAWN_ENTITY.with_value.items():
+        numeric: dict[str, Any] = {"type": float} if name in NUMBERS else {}
+        group = source if name in SPAWN_ENTITY.sources else parser
+        is_required = name == SPAWN_ENTITY.entity
+        group.add_argument(f"-{name}", default=default, required=is_required, **numeric)
+    for name in sorted(SPAWN_ENTITY.flags):
+        group = source if name in SPAWN_ENTITY.sources else parser
+        group.add_argument(f"-{name}", action="store_true")
     return parser
 
 
@@ -214,7 +209,11 @@ def _create(words: list[str], client: SimulatorClient) -> int:
     """As ros_gz_sim does."""
     node = rclpy.create_node("ros_gz_sim", automatically_declare_parameters_from_overrides=True)
     log = node.get_logger()
-    given = _Given(node, _gz_flags(words))
+    flags = read_flags(words, CREATE)
+    for word in flags.without_value:
+        log.error(f"flag '{word.lstrip('-')}' is missing its argument")
+        return 1
+    given = _Given(node, flags.values)
     world = given.value("world")
     while not client.connect(WAIT):
         if world:
@@ -300,26 +299,6 @@ def _gz_description(given: _Given) -> NewEntity | None:
 
 def _waiting(world: str) -> str:
     return f"Waiting for service [/world/{world}/create] to become available ..."
-
-
-def _gz_flags(words: list[str]) -> dict[str, str]:
-    """What gflags makes of the arguments: `-name a`, `--name=a`; it ignores what it does not know.
-
-    `-allow_renaming` is a flag without a value.
-    """
-    flags: dict[str, str] = {}
-    rest = iter(words)
-    for word in rest:
-        if not word.startswith("-"):
-            continue
-        name, equals, value = word.lstrip("-").partition("=")
-        if equals:
-            flags[name] = value
-        elif name == "allow_renaming":
-            flags[name] = "true"
-        else:
-            flags[name] = next(rest, "")
-    return flags
 
 
 if __name__ == "__main__":
