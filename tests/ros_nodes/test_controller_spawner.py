@@ -21,6 +21,7 @@ from wsgen.ros_nodes.controller_spawner import (
     unspawn,
 )
 from wsgen.ros_nodes.signals import ignore_ends
+from wsgen.rules.controllers import _names
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -44,6 +45,11 @@ def test_options_of_former_and_newer_releases() -> None:
     order = read_arguments(["a", "--controller-ros-args", "-r a:=b", "--activate-as-group"])
     assert order.controllers[0].ros_arguments == ("-r", "a:=b")
     assert order.as_group
+
+
+def test_checks_know_all_options() -> None:
+    words = ["a", "--no-switch-asap", "--switch-timeout", "3", "-u", "--controller-ros-args", "x"]
+    assert [one.name for one in read_arguments(words).controllers] == _names(words) == ["a"]
 
 
 def test_each_controller_may_have_options_of_its_own() -> None:

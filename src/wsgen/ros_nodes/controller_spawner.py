@@ -15,6 +15,7 @@ import time
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from wsgen.launch.controller_spawner_options import OF_CONTROLLER, OF_SPAWNER
 from wsgen.ros_nodes.colors import colored
 from wsgen.ros_nodes.signals import ignore_ends, raise_when_ended
 from wsgen.values import dataclass
@@ -22,6 +23,7 @@ from wsgen.values import dataclass
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from wsgen.launch.controller_spawner_options import Options
     from wsgen.ros_nodes.controller_services import ManagerClient
 
 UNSPAWN = "--unspawn"  # the first argument of an unspawner
@@ -61,10 +63,12 @@ def read_arguments(arguments: Sequence[str], files: Sequence[str] = ()) -> Order
     """
     if EACH in arguments:
         first = list(arguments).index(EACH)
-        options = _shared().parse_known_args(list(arguments))[0]
+        options = _parser(OF_SPAWNER).parse_known_args(list(arguments))[0]
         controllers = tuple(_each(list(arguments[first:])))
     else:
-        parser = argparse.ArgumentParser(prog="spawner", parents=[_shared(), _own()])
+        parser = argparse.ArgumentParser(
+            prog="spawner", parents=[_parser(OF_SPAWNER), _parser(OF_CONTROLLER)]
+        )
         parser.add_argument("controller_names", nargs="+", help="List of controllers")
         options = parser.parse_args(list(arguments))
         controllers = tuple(_wanted(name, options) for name in options.controller_names)
@@ -84,29 +88,17 @@ def read_arguments(arguments: Sequence[str], files: Sequence[str] = ()) -> Order
     )
 
 
-def _shared() -> argparse.ArgumentParser:
+def _parser(options: Options) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="spawner", add_help=False, allow_abbrev=False)
-    add = parser.add_argument
-    add("-c", "--controller-manager", default="controller_manager")
-    add("-n", "--namespace", default=None)
-    add("-t", "--controller-type", default=None)
-    add("--controller-manager-timeout", type=float, default=0.0)
-    add("--switch-timeout", type=float, default=5.0)
-    add("--service-call-timeout", type=float, default=10.0)
-    add("--activate-as-group", action="store_true")
-    add("--switch-asap", action=argparse.BooleanOptionalAction, default=False)
-    add("-u", "--unload-on-kill", action="store_true")
-    return parser
-
-
-def _own() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="spawner", add_help=False, allow_abbrev=False)
-    add = parser.add_argument
-    add("-p", "--param-file", action="append", default=[])
-    add("--load-only", action="store_true")
-    add("--inactive", action="store_true")
-    add("--stopped", action="store_true")
-    add("--controller-ros-args", action="append", default=[])
+    for names, default in options.items():
+        kind: dict[str, Any] = {"default": default}
+        if default is False:
+            kind["action"] = "store_true"
+        elif default == ():
+            kind |= {"action": "append", "default": []}
+        elif isinstance(default, float):
+            kind["type"] = float
+        parser.add_argument(*names, **kind)
     return parser
 
 
@@ -128,7 +120,7 @@ def _each(arguments: list[str]) -> Any:
         if not chunk:
             sys.stdout.write(f"Error: {EACH} argument missing value in chunk: {[EACH]}\n")
             sys.exit(1)
-        yield _wanted(chunk[0], _own().parse_known_args(chunk[1:])[0])
+        yield _wanted(chunk[0], _parser(OF_CONTROLLER).parse_known_args(chunk[1:])[0])
 
 
 def refused_in(order: Order) -> str | None:

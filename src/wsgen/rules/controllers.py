@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launch.commands import started_programs
+from wsgen.launch.controller_spawner_options import OF_CONTROLLER, OF_SPAWNER
 from wsgen.launch.explain_missing import EXECUTABLE_NOT_FOUND
 from wsgen.suggestions import advice, did_you_mean, nearest
 from wsgen.xmltree import children
@@ -96,21 +97,13 @@ _FORMER = {
 SURELY_PACKAGE = 0.96  # as below, for two packages with a class of the same name
 SURELY = 0.9  # so alike two types are, as difflib counts, that one is the other misspelled
 MANAGER = "controller_manager"
-_WITH_VALUE = frozenset(
-    (
-        *("-c", "--controller-manager", "-n", "--namespace", "--controller-manager-timeout"),
-        *("--switch-timeout", "--service-call-timeout", "--controller-ros-args"),
-        *("--set-state", "--spin-time"),
-    )
-)
+# Of the spawner, and of `ros2 control load_controller`.
+_OPTIONS = {**OF_SPAWNER, **OF_CONTROLLER, ("--set-state", "--spin-time"): None}
+_OPTIONS |= {("-s", "--spin", "--use-sim-time"): False}
+_WITH_VALUE = {name for names, one in _OPTIONS.items() if one is not False for name in names}
+_FLAGS = {name for names, one in _OPTIONS.items() if one is False for name in names}
 # With these a spawner says itself what the controller is.
 _OWN = frozenset(("-p", "--param-file", "-t", "--controller-type", "--controller"))
-_FLAGS = frozenset(
-    (
-        *("-u", "--unload-on-kill", "--load-only", "--inactive", "--stopped", "--switch-asap"),
-        *("--activate-as-group", "-s", "--spin", "--use-sim-time"),
-    )
-)
 
 
 class Configured(NamedTuple):
