@@ -209,7 +209,11 @@ _CONTROL = GazeboPlugin(
         "ros": None,
         "hold_joints": True,
         "position_proportional_gain": 0.1,
+        "robot_param": "robot_description",
+        "robot_param_node": "robot_state_publisher",
     },
+    # What asks robot_state_publisher for the URDF waits for its topic here.
+    not_simulated=("robot_param", "robot_param_node"),
     needs=_PHYSICS,
 )
 _MECANUM = ("front_left_joint", "front_right_joint", "back_left_joint", "back_right_joint")
