@@ -12,6 +12,7 @@ import pytest
 from simulation.movers import AT, DRIVE, arm, drive, reach, two_wheeled
 from simulation.robots import GROUND, joint, tree
 from wsgen.isolation.codec import decode, encode
+from wsgen.model.behavior import Bounds
 from wsgen.model.robot import JointLimit, JointType, Link, Robot
 from wsgen.model.transform import quaternion_of_rpy
 from wsgen.simulation.controllers import (
@@ -164,6 +165,22 @@ def test_wheels_are_as_strong_as_plugin_or_joint() -> None:
         }
         wheels.has_begun = True
         assert wheels.motors({}) == {"left": expected, "right": expected}
+
+
+def test_the_torque_of_a_plugin_of_classic_is_there_instead_of_the_friction() -> None:
+    robot = two_wheeled()
+    stiff = replace(robot, joints=tuple(replace(one, friction=2.0) for one in robot.joints))
+    wheels = controller_for(drive(using=replace(DRIVE, torque=9.0)), stiff)
+    assert wheels.motors({})["left"].effort == 11.0  # engines take the friction from it
+
+
+def test_jerk_has_its_bound() -> None:
+    using = replace(DRIVE, linear=Bounds(jerk=100.0))
+    wheels = controller_for(drive(using=using, linear=0.5), two_wheeled())
+    wheels.has_begun = True
+    rims = [wheels.motors({})["left"].speed * DRIVE.pairs[0].radius for _ in range(3)]
+    # m/s, after 10 ms each, in which the acceleration grows by 1 m/s².
+    assert rims == pytest.approx([0.01, 0.03, 0.06])
 
 
 def test_servos_hold_what_is_not_named() -> None:

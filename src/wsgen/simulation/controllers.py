@@ -53,20 +53,25 @@ class DiffDriveController:
         self.task = task  # may be replaced: the plugin goes on from the speeds that it has reached
         self._drive = drive
         self._joints = {joint.name: joint for joint in robot.movable_joints}
-        self._linear = self._angular = 0.0  # m/s, rad/s: what the plugin lets through
+        self._let = self._before = (0.0, 0.0)  # m/s, rad/s: what the plugin lets through
         self._rims = dict.fromkeys(
             (name for pair in drive.pairs for name in (pair.left, pair.right)), 0.0
         )  # m/s
 
     def motors(self, positions: Mapping[str, float]) -> dict[str, Motor]:  # noqa: ARG002  it controls speeds
         """The wheels at the speeds that the plugin has reached."""
-        linear, angular = (self.task.linear, self.task.angular) if self.has_begun else (0.0, 0.0)
+        commanded = (self.task.linear, self.task.angular) if self.has_begun else (0.0, 0.0)
         drive = self._drive
-        self._linear = drive.linear.next(self._linear, linear, UPDATE)
-        self._angular = drive.angular.next(self._angular, angular, UPDATE)
+        linear, angular = (
+            bounds.next(speed, wanted, UPDATE, before)
+            for bounds, speed, wanted, before in zip(
+                (drive.linear, drive.angular), self._let, commanded, self._before, strict=True
+            )
+        )
+        self._before, self._let = self._let, (linear, angular)
         motors = {}
         for pair in drive.pairs:
-            rims = pair.speeds(self._linear, self._angular)
+            rims = pair.speeds(linear, angular)
             for name, wanted in zip((pair.left, pair.right), rims, strict=True):
                 self._rims[name] = drive.rim.next(self._rims[name], wanted, UPDATE)
                 motors[name] = self._motor(name, self._rims[name] / pair.radius)
