@@ -760,6 +760,7 @@ BUILDS |= {
         IN_NODE.replace("def tick", "def tik"), good=IN_NODE, swaps=(("# def tik(self)", ""),)
     ),
     "PKG108": node(IN_NODE, swaps=(("\n", "\n        "),)),
+    "PKG110": node(IN_NODE, swaps=(("\n", "\n        "),)),
     "BLD073": node(
         IN_NODE,
         good=put(IN_NODE, "self.create_subscription(LaserScan, 'scan', self.on_scan, 10)").replace(

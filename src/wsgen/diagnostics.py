@@ -102,3 +102,14 @@ class Rule:
 def has_errors(diagnostics: Iterable[Diagnostic]) -> bool:
     """Whether any of them is an error."""
     return any(diagnostic.severity is Severity.ERROR for diagnostic in diagnostics)
+
+
+def worst_of_each(diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
+    """The diagnostics without those that say the same at the same place, and are no worse."""
+    order = list(Severity)
+    worst: dict[tuple[object, ...], Diagnostic] = {}
+    for found in diagnostics:
+        key = (found.code, found.file, found.line, found.element, found.message)
+        if key not in worst or order.index(found.severity) < order.index(worst[key].severity):
+            worst[key] = found
+    return list(worst.values())

@@ -57,6 +57,7 @@ def _is_misspelled(name: str, other: str) -> bool:
         (
             min(len(word), len(meant)) >= LONG_ENOUGH
             or _is_swapped(word, meant)
+            or _lacks_letter(word, meant)
             or (word, meant) in PLURALS
         )
         and word.strip("abcdefghijklmnopqrstuvwxyz") == meant.strip("abcdefghijklmnopqrstuvwxyz")
@@ -68,6 +69,15 @@ def _is_misspelled(name: str, other: str) -> bool:
 def _is_swapped(word: str, meant: str) -> bool:
     """Whether a short word has the letters of another one: `ors` for `ros`."""
     return len(meant) == SHORT and sorted(word) == sorted(meant)
+
+
+def _lacks_letter(word: str, meant: str) -> bool:
+    """Whether a word lacks a letter inside: `tst` for `test`."""
+    return (
+        len(word) == SHORT < len(meant)
+        and (word[0], word[-1]) == (meant[0], meant[-1])
+        and mistakes_between(word, meant) == 1
+    )
 
 
 def _words(name: str) -> list[str]:

@@ -101,7 +101,7 @@ def test_what_is_built_and_not_registered(workspace: KindOfWorkspace) -> None:
     answer = workspace.wsgen("validate", "--format", "json")
     (package,) = answer.document["packages"]
     (found,) = [one for one in package["diagnostics"] if one["code"] == "PKG065"]
-    assert answer.code == 0
+    assert (answer.code, found["severity"]) == (1, "error")
     assert found["message"] == (
         "Built, but not registered in the ament index, where ROS looks: trolley_description. "
         "Its source folder is used as share folder."

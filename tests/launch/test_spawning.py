@@ -246,6 +246,7 @@ def test_values_that_argparse_refuses(words: tuple[str, ...], code: str, said: s
     ("words", "hint"),
     [
         (("-topicrobot_description", "-entity", "e"), "'-topic', 'robot_description'"),
+        (("-topics", "robot_description", "-entity", "e"), "Did you mean `-topic`?"),
         (("-topic", "robot_description", "-entity", "e", "-z", "0,3"), "with a point: 0.3"),
         (("-topic", "robot_description", "-entity", "e", "-z", "high"), "Give meters"),
     ],
@@ -620,6 +621,14 @@ def test_spawner_of_somebodys_own(processes: tuple[Process, ...]) -> None:
     assert spawn is not None
     assert (spawn.entity, spawn.description, spawn.is_assumed) == ("r", URDF, True)
     assert (found.code, found.severity) == ("SPN092", Severity.INFO)
+
+
+def test_spawner_of_somebodys_own_that_calls_the_service() -> None:
+    found = plan(publisher(), own("put_it_there"))
+    spawn, _ = assume_spawn(found, lambda program: program.executable == "put_it_there")
+    assert spawn is not None
+    assert spawn.entity == "r"
+    assert assume_spawn(found, lambda _: False)[0] is None
 
 
 def test_spawner_of_somebodys_own_that_is_given_a_file(tmp_path: Path) -> None:

@@ -19,6 +19,7 @@ from wsgen.pipeline.gazebo_models import (
     robots_of_world,
 )
 from wsgen.pipeline.prepare import PrepareContext, prepare_models, read_file
+from wsgen.workspace.overlay import Overlay
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -60,8 +61,7 @@ def plan(file: Path | str, *processes: Process) -> LaunchPlan:
     return LaunchPlan(package="p", launch_file=Path("p.launch.py"), processes=(gazebo, *processes))
 
 
-def no_share(_: str) -> None:
-    return None
+OVERLAY = Overlay(install=Path("install"), environment={}, prefixes=())
 
 
 @pytest.mark.parametrize(
@@ -84,25 +84,25 @@ def test_robots_of_a_world(tmp_path: Path, written: str, names: set[str]) -> Non
     )
     file = world(tmp_path, written)
     assert robots_of_world(read(file, {}), {}) == names
-    assert find_robots(plan(file), {}, no_share).are_meant == bool(names)
+    assert find_robots(plan(file), OVERLAY).are_meant == bool(names)
 
 
 def test_what_may_have_a_robot_and_is_not_there(tmp_path: Path) -> None:
     sun = "<include><uri>model://sun</uri></include>"
     missing = "<include><uri>model://my_vessel</uri></include>"
-    found = find_robots(plan(world(tmp_path, sun, missing)), {}, no_share)
+    found = find_robots(plan(world(tmp_path, sun, missing)), OVERLAY)
     assert not found.lack_world
     assert "w.sdf: The model `model://my_vessel`" in (found.lack_model or "")
-    assert find_robots(plan(world(tmp_path, sun, model("m"), missing)), {}, no_share).are_meant
-    assert find_robots(plan(world(tmp_path, sun)), {}, no_share).lack_model is None
+    assert find_robots(plan(world(tmp_path, sun, model("m"), missing)), OVERLAY).are_meant
+    assert find_robots(plan(world(tmp_path, sun)), OVERLAY).lack_model is None
     for name in (tmp_path / "no.sdf", "no.sdf"):
-        found = find_robots(plan(name), {}, no_share)
+        found = find_robots(plan(name), OVERLAY)
         assert found.lack_world
         assert not found.diagnostics
     for name in ("empty.sdf", "https://example.org/w.sdf", "/opt/ros/iron/share/other/w.world"):
-        assert not find_robots(plan(name), {}, no_share).lack_world
+        assert not find_robots(plan(name), OVERLAY).lack_world
     written = replace(plan(tmp_path / "made.sdf"), written={str(tmp_path / "made.sdf"): "<sdf/>"})
-    assert not find_robots(written, {}, no_share).lack_world
+    assert not find_robots(written, OVERLAY).lack_world
 
 
 def test_models_of_gazebo_are_no_robots(tmp_path: Path) -> None:
@@ -129,20 +129,20 @@ def test_a_robot_with_an_error_is_there_and_not_simulated(tmp_path: Path) -> Non
 
 def test_plans_with_a_spawner(tmp_path: Path) -> None:
     file = world(tmp_path)
-    assert not find_robots(plan(file), {}, no_share).are_meant
-    assert not find_robots(plan("no.sdf"), {}, no_share).are_meant
+    assert not find_robots(plan(file), OVERLAY).are_meant
+    assert not find_robots(plan("no.sdf"), OVERLAY).are_meant
     create = Process(package="ros_gz_sim", executable="create", arguments=("-string", "<robot/>"))
-    assert find_robots(plan(file, create), {}, no_share).are_meant
+    assert find_robots(plan(file, create), OVERLAY).are_meant
     wrong = replace(create, arguments=("-file", "/no/r.urdf"))
-    assert find_robots(plan(file, wrong), {}, no_share).are_meant
+    assert find_robots(plan(file, wrong), OVERLAY).are_meant
     publisher = Process(
         package="robot_state_publisher",
         executable="robot_state_publisher",
         parameters={"robot_description": "<robot name='r'/>"},
     )
-    assert not find_robots(plan(file, publisher), {}, no_share).are_meant
+    assert not find_robots(plan(file, publisher), OVERLAY).are_meant
     own = Process(package="my_robot", executable="spawn")
-    assert find_robots(plan(file, publisher, own), {}, no_share).are_meant
+    assert find_robots(plan(file, publisher, own), OVERLAY).are_meant
     assert find_simulator(plan(file))[0] is not None
 
 

@@ -67,3 +67,48 @@ def test_a_spawner_of_another_simulator_is_no_dependency(tmp_path: Path) -> None
         },
     )
     assert (name, severity) == ("spawner-of-other-simulator", "error")
+
+
+def test_a_program_that_install_looks_for_in_another_folder(tmp_path: Path) -> None:
+    """The node that cannot be started is no second mistake, nor is what the misspelling hides."""
+    launch = "launch/cart.launch.py"
+    changes = {
+        "CMakeLists.txt": (
+            "ament_package()",
+            "install(PROGRAMS drive.py DESTINATION lib/cart)\nament_package()",
+        ),
+        launch: (
+            "    return LaunchDescription([",
+            "    return LaunchDescription([\n        Node(package='cart', executable='drive.py'),",
+        ),
+    }
+    (tmp_path / "src/cart/scripts").mkdir(parents=True)
+    (tmp_path / "src/cart/scripts/drive.py").write_text("#!/usr/bin/env python3\nprint()\n")
+    assert [name for name, _, _ in report(tmp_path, changes)] == ["missing-installed-path"]
+
+
+def test_a_package_whose_name_is_misspelled(tmp_path: Path) -> None:
+    assert [
+        name
+        for name, _, _ in report(
+            tmp_path, {"package.xml": ("<name>cart</name>", "<name>crat</name>")}
+        )
+    ] == ["different-names"]
+
+
+def test_a_misspelled_element_of_the_manifest(tmp_path: Path) -> None:
+    wrong = ("<exec_depend>xacro</exec_depend>", "<exec_depends>xacro</exec_depends>")
+    [(name, _, _)] = report(tmp_path, {"package.xml": wrong})
+    assert name == "invalid-manifest"
+
+
+def test_a_simulator_that_is_not_added(tmp_path: Path) -> None:
+    include = """        IncludeLaunchDescription(
+            PythonLaunchDescriptionSource(gazebo),
+            launch_arguments={'gz_args': ['-r ', world]}.items())"""
+    begin = "    return LaunchDescription([\n"
+    where = "os.path.join(get_package_share_directory('ros_gz_sim'), 'launch', 'gz_sim.launch.py')"
+    created = f"    simulator ={include[7:]}\n".replace("(gazebo)", f"({where})")
+    wrong = (f"{begin}{include},\n", f"{created}{begin}")
+    found = report(tmp_path, {"launch/cart.launch.py": wrong})
+    assert ("no-simulator", "error") in [(name, severity) for name, severity, _ in found]

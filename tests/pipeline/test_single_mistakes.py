@@ -145,6 +145,10 @@ def diagnose(text: str | bytes, file: Path) -> list[Diagnostic]:
         ('xyz="0.1 0.18 0"', 'xzy="0.1 0.18 0"', "ROB077", 11),
         ('rpy="0 0 0"', 'ryp="0 0 0"', "ROB077", 11),
         ('<axis xyz="0 1 0"/>', '<axis xzy="0 1 0"/>', "ROB077", 14),
+        ('length="0.04"', 'height="0.04"', "ROB077", 17),
+        ('<parent link="base', '<parent name="base', "ROB077", 12),
+        ("<mass value", "<mass kg", "ROB077", 6),
+        ("<mu1>0.8</mu1>", "<mul>0.8</mul>", "ROB038", 38),
         ("<box ", "<bx ", "ROB038", 3),
         ('<axis xyz="0 1 0"/>', '<axsi xyz="0 1 0"/>', "ROB038", 14),
         ("<parent ", "<paretn ", "ROB038", 12),
@@ -442,3 +446,47 @@ def test_model_of_sdf_in_its_run(  # noqa: PLR0917  the facts of a case
     (found,) = validate(swap(SDF, old, new), tmp_path / "table.sdf")
     assert (found.code, found.line) == (code, line)
     assert severity in {None, found.severity}
+
+
+def test_a_length_that_may_be_twice_a_radius_is_no_misspelling(tmp_path: Path) -> None:
+    text = swap(ROVER, "<cylinder radius=", "<cylinder diameter=")
+    assert "ROB016" in {one.code for one in diagnose(text.encode(), tmp_path / "rover.urdf")}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "hint"),
+    [
+        ('xyz="0.1 0.18 0"', 'xyz="0,1 0,18 0"', 'Write xyz="0.1 0.18 0".'),
+        ('xyz="0.1 0.18 0"', 'xyz="0.1, 0.18, 0"', 'Write xyz="0.1 0.18 0".'),
+        ("<mu1>0.8</mu1>", "<mu1>0,8</mu1>", "Write 0.8."),
+        (
+            '<mass value="0.5"/>',
+            '<mass value="0"/>',
+            "Write the mass of `left_wheel` in kilograms.",
+        ),
+    ],
+)
+def test_the_hint_says_what_to_write(tmp_path: Path, old: str, new: str, hint: str) -> None:
+    found = diagnose(swap(ROVER, old, new).encode(), tmp_path / "rover.urdf")
+    assert any((one.hint or "").startswith(hint) for one in found), [one.hint for one in found]
+
+
+def test_a_loose_part_is_named_and_not_the_robot(tmp_path: Path) -> None:
+    lone = '<robot name="rover"><link name="laser"/>'
+    found = diagnose(swap(ROVER, '<robot name="rover">', lone).encode(), tmp_path / "rover.urdf")
+    assert [(one.code, one.hint) for one in found] == [
+        ("ROB009", "Add a joint whose child is `laser`.")
+    ]
+
+
+def test_a_macro_without_its_prefix_explains_what_gazebo_drops(tmp_path: Path) -> None:
+    macro = """<robot name="rover" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:macro name="weight"><inertial><mass value="1"/></inertial></xacro:macro>"""
+    text = swap(ROVER, '<robot name="rover">', macro)
+    text = swap(text, INERTIAL, "<weight/>")
+    file = tmp_path / "rover.xacro"
+    file.write_text(text)
+    reported = diagnose(expand(file, {}).stdout, file)
+    (found,) = [one for one in reported if one.severity is Severity.ERROR]
+    assert (found.code, found.line) == ("ROB115", 6)
+    assert "Gazebo refuses the robot" in found.message

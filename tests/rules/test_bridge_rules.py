@@ -171,6 +171,8 @@ def test_types_that_exist(types: str) -> None:
         ("/scan", "sensor_msgs/msg/LaserScan]gz.msgs.LaserScan", "wrong-bridge-direction"),
         ("/scan", "sensor_msgs/msg/Image[gz.msgs.Image", "other-bridge-type"),
         ("/scn", "sensor_msgs/msg/LaserScan[gz.msgs.LaserScan", "unknown-bridge-topic"),
+        # The only lidar has another topic.
+        ("/lidar", "sensor_msgs/msg/LaserScan[gz.msgs.LaserScan", "unknown-bridge-topic"),
         (
             "/world/empty/model/r/joint_state",
             "sensor_msgs/msg/JointState[gz.msgs.Model",
@@ -199,7 +201,6 @@ def test_what_bridges_do_not_connect(topic: str, types: str, name: str) -> None:
             "sensor_msgs/msg/Imu[gz.msgs.IMU",
         ),
         ("/own/topic", "std_msgs/msg/String]gz.msgs.StringMsg"),
-        ("/lidar", "sensor_msgs/msg/LaserScan[gz.msgs.LaserScan"),
     ],
 )
 def test_what_bridges_connect(topic: str, types: str) -> None:
@@ -207,6 +208,8 @@ def test_what_bridges_connect(topic: str, types: str) -> None:
 
 
 def test_what_is_not_known_is_not_compared() -> None:
+    lidar = "sensor_msgs/msg/LaserScan[gz.msgs.LaserScan"
+    assert check("/lidar", lidar, world=None, models=None) == []
     types = "sensor_msgs/msg/JointState[gz.msgs.Model"
     assert check("/world/empty/model/q/other", types, world=None, models=None) == []
     root, _ = read_document(ROBOT)

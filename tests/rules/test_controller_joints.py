@@ -139,7 +139,7 @@ def test_parameters_that_may_be_right(more: str) -> None:
 
 def test_parameters_below_another_name() -> None:
     (found,) = check(SOUND.replace("/ns/drive:", "/ns/dribe:"))
-    assert (found.code, found.line) == ("ROB113", 17)
+    assert (found.code, found.line, found.severity) == ("ROB113", 17, Severity.ERROR)
     assert found.hint == "Rename `dribe:` to `drive:`, or set the type for `dribe` in line 8."
 
 

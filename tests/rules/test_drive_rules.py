@@ -167,6 +167,9 @@ def test_wheels_of_a_controller_that_roll_sideways() -> None:
     assert isinstance(content, yamlfile.Value)
     found = [*check_drive_controller(written, "drive", content, file)]
     assert [(one.code, one.file, one.line) for one in found] == [("ROB144", file, 1)] * 2
+    lines = [joint.line for joint in written.joints if joint.name.endswith("_0_joint")]
+    found = [*check_drive_controller(written, "drive", content, file, FILE)]
+    assert [(one.file, one.line) for one in found] == [(FILE, line) for line in lines]
 
 
 @pytest.mark.parametrize(

@@ -16,8 +16,11 @@ from wsgen.launch.explain_missing import (
     EXECUTABLE_NOT_FOUND,
     FILE_NOT_INSTALLED,
     PACKAGE_NOT_FOUND,
+    XACRO_FAILS,
 )
 from wsgen.rules.install_consequences import fold_not_installed
+from wsgen.rules.launch_files import MISSING_ARGUMENT_FILE
+from wsgen.xacro.reader import XACRO_FILE_FAILS
 
 SRC = Path("/ws/src/crab")
 FOLDERS = {"crab": SRC, "shell": Path("/ws/src/shell")}
@@ -116,3 +119,37 @@ def test_packages_that_a_wrong_name_hides() -> None:
     other = replace(hidden, hint="Did you mean `shell`?")
     assert fold_not_installed([named, hidden, other], FOLDERS) == (named, other)
     assert fold_not_installed([hidden], FOLDERS) == (hidden,)
+
+
+def test_packages_that_project_calls_otherwise() -> None:
+    named = DIFFERENT_NAMES.at(SRC / "CMakeLists.txt", 1, "crab", message="...", reason="crabs")
+    launch = SRC / "launch" / "a.launch.py"
+    hidden = PACKAGE_NOT_FOUND.at(launch, 3, message="The package 'crabs' is not found.")
+    other = PACKAGE_NOT_FOUND.at(launch, 3, message="The package 'crabs_arm' is not found.")
+    assert fold_not_installed([named, hidden, other], FOLDERS) == (named, other)
+
+
+def test_a_program_that_install_looks_for_elsewhere() -> None:
+    hint = "Did you mean `scripts/walk`?"
+    build = SRC / "CMakeLists.txt"
+    misspelled = MISSING_INSTALLED_PATH.at(build, 4, "crab", message="...", hint=hint)
+    assert fold_not_installed([misspelled, node("walk"), node("run")], FOLDERS) == (
+        misspelled,
+        node("run"),
+    )
+
+
+def test_a_file_of_a_folder_that_is_not_installed() -> None:
+    message = "`bridge` is given 'meshes/b.yaml' of crab, which is not installed."
+    given = MISSING_ARGUMENT_FILE.at(SRC / "launch/a.launch.py", 3, message=message)
+    (found,) = fold_not_installed([MESHES, given], FOLDERS)
+    assert found.code == MESHES.code
+
+
+def test_what_a_launch_file_expands_is_reported_once() -> None:
+    place = (SRC / "urdf/a.xacro", 3)
+    of_launch, of_file = (
+        rule.at(*place, message="...") for rule in (XACRO_FAILS, XACRO_FILE_FAILS)
+    )
+    other = replace(of_file, line=4)
+    assert fold_not_installed([of_file, of_launch, other], FOLDERS) == (of_launch, other)

@@ -282,3 +282,18 @@ def test_unused_dependencies_are_one_diagnostic() -> None:
         "<exec_depend>nav_msgs</exec_depend>"
     )
     assert [*unused_dependencies(checked, ())] == []
+
+
+def test_a_plugin_of_a_description_that_another_package_spawns() -> None:
+    used = PackageUse("gz_ros2_control", ROBOT_FILE, 9, PLUGIN)
+    own = manifest("my_robot")
+
+    def found(**declared: str) -> list[str]:
+        bringup = manifest("bringup", **declared)
+        manifests = {"my_robot": own, "bringup": bringup}
+        return [one.code for one in check_uses(own, [used], manifests=manifests, distro="jazzy")]
+
+    assert found(exec_depend="my_robot ros_gz_sim") == ["PKG085"]
+    assert found(exec_depend="my_robot ros_gz_sim gz_ros2_control") == []
+    assert found(exec_depend="my_robot rviz2") == []  # it is only shown
+    assert found(exec_depend="ros_gz_sim") == []

@@ -115,6 +115,8 @@ def test_a_sound_node(tmp_path: Path) -> None:
         ("rclpy.spin(Patrol())", "rclpy.spin(Patrol(), true)", "BLD073", 41, "`True`"),
         ("\n\nif __name__ == '__main__':\n    main()\n", "\n", "BLD074", 39, "main()"),
         ("rclpy.spin(Patrol())", "Patrol()", "BLD074", 40, "rclpy.spin(node)"),
+        ("linear.x = 0.3 if self.nearest > 1 else 0.0", "linear.x = -1", "PKG110", 35, "x = -1.0"),
+        ("def tick(self)", "def tick()", "BLD075", 32, "def tick(self)"),
         ("self.tick)", "self.tick())", "BLD075", 20, "self.tick"),
         ("TwistStamped, '/cmd_vel', 10", "'/cmd_vel', TwistStamped, 10", "BLD075", 16, "TYPE"),
         ("'/cmd_vel', 10)", "'/cmd_vel')", "BLD075", 16, "TOPIC, 10)"),

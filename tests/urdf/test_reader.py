@@ -69,7 +69,7 @@ def test_all_diagnostics_in_one_pass_with_their_lines() -> None:
         (
             '<sphere radius="1,5"/>',
             'radius="1,5": `1,5` has a comma.',
-            "Write one finite number, with a decimal point. ",
+            'Write radius="1.5". ',
         ),
     ],
 )

@@ -31,6 +31,7 @@ from wsgen.build_files.cmake_checks import (
     word_old_minimum,
     word_project,
     word_source,
+    word_unclosed,
     word_unknown_command,
 )
 from wsgen.build_files.cmake_keywords import meant_keyword, word_keyword
@@ -192,6 +193,19 @@ def unclosed_block(failure: Failure) -> Iterator[Diagnostic]:
     if first is not None:
         message, hint = word_block(opened, closing)
         yield failure.report(CMAKE_SYNTAX, message, line=first.line, hint=hint)
+
+
+def unclosed_variable(failure: Failure) -> Iterator[Diagnostic]:
+    """Name the reference of a variable that has no brace at its end."""
+    for error in failure.errors[:1]:
+        match = re.search(
+            r"CMakeLists\.txt:(\d+) when parsing string .*?(\$\{\w+)\W.*unterminated variable",
+            error.message,
+            re.DOTALL,
+        )
+        if match is not None:
+            message, hint = word_unclosed(match[2])
+            yield failure.report(CMAKE_SYNTAX, message, line=int(match[1]), hint=hint)
 
 
 def syntax(failure: Failure) -> Iterator[Diagnostic]:

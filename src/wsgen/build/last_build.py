@@ -143,6 +143,7 @@ def explain_builds(
             first.file,
             first.line,
             name,
+            reason=first.reason,
             message=f"The last build of {name} failed: {first.message.removeprefix(f'{name}: ')}",
             hint=f"{edited.name} was changed after that. Run `wsgen build`."
             if edited is not None

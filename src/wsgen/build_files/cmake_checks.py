@@ -11,6 +11,7 @@ from wsgen.build_files.cmake_commands import COMMANDS as EVALUATED
 from wsgen.build_files.cmake_commands import is_harmless
 from wsgen.build_files.cmake_install import meant_form
 from wsgen.build_files.cmake_keywords import word_keyword
+from wsgen.build_files.cmake_text import BRACKET
 from wsgen.build_files.cmake_values import is_known, version
 from wsgen.diagnostics import Rule, Severity
 from wsgen.suggestions import ask_for_nearest, did_you_mean, nearest
@@ -321,6 +322,8 @@ def check_commands(reader: Reader, build_type: str) -> Iterator[Diagnostic]:
         yield from minimum(reader)
         yield from languages(reader)
         yield from wrong
+        yield from without_ament(reader)
+        yield from unclosed_variables(reader)
     yield from test_packages(reader.required, reader.name)
     yield from subdirectories(reader)
     yield from sources(reader)
@@ -469,6 +472,7 @@ def word_names(
         f"it {package}.",
         hint=f"Write {here}, or {there}; "
         "launch files and $(find ...) know the package by the name in package.xml.",
+        reason=project,
     )
 
 
@@ -624,6 +628,56 @@ def misspelled(reader: Reader) -> Iterator[Diagnostic]:
                 message=f"{reader.name}: {message}",
                 hint=hint,
             )
+
+
+def without_ament(reader: Reader) -> Iterator[Diagnostic]:
+    """Report a call of ament_package() where nothing before it can define that."""
+    calls = [one for one in _calls_of_ament_package(reader) if one.is_certain]
+    if not calls or calls[0].call.command != "ament_package":
+        return
+    first = calls[0]
+    for command, mentions in reader.mentions.items():
+        for one in mentions:
+            if one.order < first.order and (
+                command in {"include", "add_subdirectory"}
+                or (command == "find_package" and not _defines_nothing(texts(one)))
+            ):
+                return
+    message, hint = word_unknown_command("ament_package", reader.functions)
+    yield UNKNOWN_COMMAND.at(
+        first.file, first.call.line, reader.name, message=f"{reader.name}: {message}", hint=hint
+    )
+
+
+def _defines_nothing(words: Sequence[str]) -> bool:
+    """Whether find_package() finds a package of messages or a client library."""
+    return words[:1] != [] and words[0].endswith(("_msgs", "_srvs", "rclcpp", "rclpy"))
+
+
+def unclosed_variables(reader: Reader) -> Iterator[Diagnostic]:
+    """Report the first `${` without its `}` in an argument of a call that CMake surely makes."""
+    for mentions in reader.mentions.values():
+        for mention in mentions if mentions and mentions[0].is_certain else ():
+            for argument in mention.call.written:
+                found = UNCLOSED.search(argument.text) if argument.kind != BRACKET else None
+                if found is not None:
+                    yield CMAKE_SYNTAX.at(
+                        mention.file,
+                        argument.line,
+                        reader.name,
+                        message=f"{reader.name}: {word_unclosed(found[0])[0]}",
+                        hint=word_unclosed(found[0])[1],
+                    )
+                    return
+
+
+# A reference of a variable whose name ends without a brace.
+UNCLOSED = lazy_pattern(r"(?<!\\)\$\{[A-Za-z_]\w*(?=$|[\s/;\"])")
+
+
+def word_unclosed(reference: str) -> tuple[str, str]:
+    """Say which reference of a variable has no end, and what to do."""
+    return f"`{reference}` is not closed.", f"Write `{reference}}}`."
 
 
 def _has_more_words(command: str, other: str) -> bool:

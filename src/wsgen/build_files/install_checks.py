@@ -341,7 +341,9 @@ def word_missing_path(  # noqa: PLR0913, PLR0917  the name, and where it is writ
         line,
         package,
         message=f"{package}: {command}() names the {kind} {name}, which does not exist.",
-        hint=f"{ask_for_nearest(path.name, beside)}Create it, or remove it from {command}()."
+        hint="Remove the comma: CMake separates arguments by blanks."
+        if name.endswith(",")
+        else f"{ask_for_nearest(path.name, beside)}Create it, or remove it from {command}()."
         f"{GIT_KEEPS_NO_EMPTY_FOLDERS if kind == 'folder' else ''}",
     )
 
@@ -415,8 +417,8 @@ def destination(rule: InstallRule, reader: Reader) -> Iterator[Diagnostic]:
         rule.file,
         rule.place.line,
         some_of(tops),
-        message=f"{some_of(tops)} is installed to {message}; ROS looks for it in "
-        f"share/{reader.name}.",
+        message=f"{some_of(tops)} {'are' if tops[1:] else 'is'} installed to {message}; ROS looks "
+        f"for {'them' if tops[1:] else 'it'} in share/{reader.name}.",
         hint=hint,
     )
 

@@ -351,10 +351,11 @@ def file_error(error: BaseException) -> Explanation | None:
 def _missing_file(path: str) -> Explanation:
     package = known_packages.package_of(path)
     if package is not None and known_packages.is_in_shim(path):
+        inside = known_packages.as_on_linux(path).rpartition(f"/share/{package}/")[2]
         return Explanation(
             PACKAGE_NOT_FOUND,
-            f"The launch file needs a file of the package '{package}', which is not installed "
-            f"here: '{path}'.",
+            f"The launch file needs '{inside}' of the package '{package}', "
+            "which is not installed here.",
             f"Build {package} in this workspace, or source an installation that has it.",
             element=package,
         )

@@ -259,7 +259,14 @@ def _unknown(process: Process, word: str, options: Options) -> _Remark:
             "Write each option and each value as a separate item of `arguments`.",
         )
     names = [f"-{name}" for name in sorted(options.names)]
-    glued = next((name for name in names if len(name) > LETTER and word.startswith(name)), None)
+    glued = next(
+        (
+            name
+            for name in names
+            if len(name) > LETTER and word.startswith(name) and len(word) > len(name) + 1
+        ),
+        None,  # `-topics` is a typing mistake
+    )
     if glued is not None:
         return _Remark(
             f"'{word}' is a single argument of {process.executable}, which does not know it.",

@@ -43,7 +43,7 @@ from wsgen.ros_names import released_packages
 from wsgen.xmltree import Malformed, parse
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping
+    from collections.abc import Callable, Collection, Iterator, Mapping
 
     from wsgen.model.plan import LaunchPlan
 
@@ -88,7 +88,8 @@ ASSUMED_SPAWNER = Rule(
     severity=Severity.INFO,
     summary="A program of the workspace is assumed to spawn the robot.",
     what="Looks, where no spawner of Gazebo is started, for a program of a package that is not "
-    "released, beside a simulator and a robot description.",
+    "released, beside a simulator and a robot description. Without a simulator, its name must "
+    "contain `spawn`, or its Python source must use the service `SpawnEntity`.",
     why="`wsgen` does not know what the program does: the robot is simulated on the ground, at the "
     "origin.",
     example="Node(package='my_robot', executable='spawn_robot.py')",
@@ -150,10 +151,13 @@ def names_spawner(file: Path, launch_files: Collection[str]) -> bool:
     return any(not names.isdisjoint(re.split(r"[/()]", text)) for text in texts)
 
 
-def assume_spawn(plan: LaunchPlan) -> tuple[Spawn | None, Diagnostic]:
+def assume_spawn(
+    plan: LaunchPlan, calls_service: Callable[[Process], bool] = lambda _: False
+) -> tuple[Spawn | None, Diagnostic]:
     """The robot that a spawner of somebody's own may spawn, where nothing else does.
 
-    With it comes the diagnostic that says so, or that no robot is spawned.
+    With it comes the diagnostic that says so, or that no robot is spawned. `calls_service` says
+    whether the source of a program uses the service that spawns.
     """
     missing = NO_ROBOT.at(
         plan.launch_file,
@@ -165,7 +169,11 @@ def assume_spawn(plan: LaunchPlan) -> tuple[Spawn | None, Diagnostic]:
     if unused != missing:
         return None, unused
     own = [program for program in started_programs(plan) if _is_own(program)]
-    named = [program for program in own if "spawn" in (program.executable or "").lower()]
+    named = [
+        program
+        for program in own
+        if "spawn" in (program.executable or "").lower() or calls_service(program)
+    ]
     if find_simulator(plan)[0] is None:
         own = named
     for program in (*named, *own):

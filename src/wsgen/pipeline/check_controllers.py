@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen import yamlfile
+from wsgen.diagnostics import Severity
 from wsgen.launch.commands import has_gaps
 from wsgen.launch.other_places import find_in_package
 from wsgen.rules.controller_joints import (
@@ -16,11 +18,11 @@ from wsgen.rules.controller_joints import (
 )
 from wsgen.rules.controllers import started_controllers
 from wsgen.rules.drives import check_drive_controller
-from wsgen.rules.ros2_control import control_plugins
+from wsgen.rules.ros2_control import ControlFacts, control_plugins, control_without_plugin
 from wsgen.xacro.source import place_in_source
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Sequence
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.package import ShareOf
@@ -36,15 +38,12 @@ def check_controlled(
     `robots` are those of a package, as written, with the files that describe them, which may
     include others.
     """
-    started: set[str] = set()
-    surely: set[str] = set()  # whatever is given
-    for plan in plans:
-        names = set(started_controllers(plan))
-        started |= names
-        if not has_gaps(plan):
-            surely |= names
-    # A robot may have parts that only some launch files give it.
-    of_file: dict[Path, list[Robot]] = {}
+    started, surely = _started(plans)
+    robots = list(robots)
+    for robot, file in robots if started else ():
+        found = without_plugin(robot, file)
+        yield from place_in_source(found, text="", file=file, share_of=share_of)
+    of_file: dict[Path, list[tuple[Robot, Path | None]]] = {}
     for robot, file in robots:
         for plugin in control_plugins(robot.gazebo):
             for text in plugin.values.get("parameters", ()):
@@ -58,11 +57,53 @@ def check_controlled(
                         plugin, path, beside, file, find_in_package(text, share_of)
                     )
                     yield from place_in_source([missing], text="", file=file, share_of=share_of)
-                of_file.setdefault(path, []).append(robot)
+                of_file.setdefault(path, []).append((robot, file))
     for path, users in of_file.items():
         content = yamlfile.load_parameters(path)
         if isinstance(content, yamlfile.Value):
-            yield from _check_file(path, content, users, started, surely)
+            described = [robot for robot, _ in users]
+            yield from _check_file(path, content, described, started, surely)
+            yield from _check_drives(path, content, users, share_of)
+
+
+def _started(plans: Iterable[LaunchPlan]) -> tuple[set[str], set[str]]:
+    """The controllers that are started, and those that surely are, whatever is given.
+
+    A robot may have parts that only some launch files give it.
+    """
+    started: set[str] = set()
+    surely: set[str] = set()
+    for plan in plans:
+        names = set(started_controllers(plan))
+        started |= names
+        if not has_gaps(plan):
+            surely |= names
+    return started, surely
+
+
+def _check_drives(
+    path: Path,
+    content: yamlfile.Value,
+    users: Sequence[tuple[Robot, Path | None]],
+    share_of: ShareOf,
+) -> Iterator[Diagnostic]:
+    robot, file = users[0]
+    # Of several robots, nobody knows which one has the wheels.
+    for name, values in drive_sections(content) if len(users) == 1 else ():
+        for found in check_drive_controller(robot, name, values, path, file):
+            if found.file == file:
+                yield from place_in_source([found], text="", file=file, share_of=share_of)
+            else:
+                yield found
+
+
+def without_plugin(robot: Robot, file: Path | None) -> Iterator[Diagnostic]:
+    """Report the hardware of a robot that nothing loads, although its controllers are started."""
+    facts = ControlFacts(
+        controls=robot.controls, joints=robot.joints, plugins=control_plugins(robot.gazebo)
+    )
+    for found in control_without_plugin(facts, file):
+        yield replace(found, severity=Severity.ERROR)
 
 
 def _check_file(
@@ -75,6 +116,3 @@ def _check_file(
         of_parts=started - surely,
     )
     yield from check_controllers(content, controlled, path)
-    # Of several robots, nobody knows which one has the wheels.
-    for name, values in drive_sections(content) if len(users) == 1 else ():
-        yield from check_drive_controller(users[0], name, values, path)

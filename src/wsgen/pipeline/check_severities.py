@@ -170,7 +170,7 @@ def of_launch(
         ):
             if not is_inner:
                 yield replace(found, severity=Severity.INFO)
-        elif found.code == NO_SIMULATOR.code or (
+        elif (found.code == NO_SIMULATOR.code and found.element is None) or (
             found.code == UNPUBLISHED_DESCRIPTION.code
             and (found.severity is Severity.WARNING or is_included_elsewhere())
         ):  # somebody may start it in another terminal, or a file that is not here does

@@ -53,7 +53,11 @@ def errors_of_check(
         package = packages.get(validation.package)
         distro = _distro_of(package, validation, packages)
         found += _of_launched(validation, validation.started, world, scene, distro)
-    reported = {(one.code, one.file, one.line) for one in validation.diagnostics}
+    reported = {
+        (one.code, one.file, one.line)
+        for one in validation.diagnostics
+        if one.severity is Severity.ERROR
+    }
     return [
         one
         for one in dict.fromkeys(found)

@@ -59,8 +59,11 @@ def with_failed_builds(
     by_name = {package.name: package for package in overlay.written}
     reported: set[str] = set()
     outcomes = []
+    # What project() calls a package that package.xml calls otherwise.
+    other_names = {one.reason: one.element for one in _explained([*failed.values()], overlay)}
     for outcome in packages:
-        needed = needed_by(_used(outcome, overlay), by_name)
+        used = (other_names.get(name) or name for name in _used(outcome, overlay))
+        needed = needed_by(used, by_name)
         of_outcome = [one for name, one in failed.items() if name in needed]
         reported.update(one.package.name for one in of_outcome)
         outcomes.append(_with_failures(outcome, of_outcome, overlay))
@@ -111,8 +114,16 @@ def _with_failures(
     if not failed:
         return outcome
     packages = [one.package for one in failed]
-    kept = (found for found in outcome.diagnostics if not _follows(found, packages))
-    return replace(outcome, diagnostics=(*_explained(failed, overlay), *kept))
+    explained = tuple(_explained(failed, overlay))
+    # The names that project() gives them, where package.xml has others.
+    renamed = {one.reason for one in explained}
+    kept = (
+        found
+        for found in outcome.diagnostics
+        if not _follows(found, packages)
+        and not (found.code == PACKAGE_NOT_FOUND.code and found.element in renamed)
+    )
+    return replace(outcome, diagnostics=(*explained, *kept))
 
 
 def _explained(failed: Sequence[FailedBuild], overlay: Overlay) -> Iterator[Diagnostic]:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.build_files.facts import read_build_facts
+from wsgen.build_files.python_sources import program_files
 from wsgen.diagnostics import Rule, Severity
 from wsgen.files import read_regular
 from wsgen.isolation import parent
@@ -22,16 +25,18 @@ from wsgen.sdf.lookup import (
     is_of_gazebo,
     is_there,
 )
+from wsgen.workspace.python_nodes import read_node_file
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.package import ShareOf
-    from wsgen.model.plan import LaunchPlan
+    from wsgen.model.plan import LaunchPlan, Process
     from wsgen.model.world import Spawn
     from wsgen.pipeline.prepare import PreparedRobot
     from wsgen.sdf.models import SdfFile
+    from wsgen.workspace.overlay import Overlay
 
 
 DATABASE_MODEL = Rule(
@@ -60,22 +65,22 @@ class FoundRobots(NamedTuple):
     lack_model: str | None = None  # nothing does; what is said of a model that the world includes
 
 
-def find_robots(plan: LaunchPlan, environment: Mapping[str, str], share_of: ShareOf) -> FoundRobots:
+def find_robots(plan: LaunchPlan, overlay: Overlay) -> FoundRobots:
     """Find what spawners spawn; where nothing does and the world has no robot, what may be spawned.
 
-    `environment` is that of the launch, without what the launch file sets.
+    The environment of the overlay is that of the launch, without what the launch file sets.
     """
     spawns, not_spawned = find_spawns(plan)
     simulator, _ = find_simulator(plan)
     world = simulator.world if simulator else None
-    variables = {**environment, **plan.environment}
+    variables = {**overlay.environment, **plan.environment}
     file = find_world(world, variables) if world else None
     if spawns or not_spawned:
         return FoundRobots(spawns, not_spawned, are_meant=True)
-    read = _read_models(file, variables, share_of) if file else None
+    read = _read_models(file, variables, overlay.look_up) if file else None
     if read is not None and robots_of_world(read, variables):
         return FoundRobots((), (), are_meant=True)
-    assumed, found = assume_spawn(plan)
+    assumed, found = assume_spawn(plan, partial(_calls_spawn_service, overlay=overlay))
     if assumed is not None:
         return FoundRobots((assumed,), (found,), are_meant=True)
     is_written = world is not None and str(Path(world).absolute()) in plan.written
@@ -86,6 +91,17 @@ def find_robots(plan: LaunchPlan, environment: Mapping[str, str], share_of: Shar
     return FoundRobots(
         (), (found,), are_meant=found.element is not None, lack_model=_left_out(read)
     )
+
+
+def _calls_spawn_service(program: Process, overlay: Overlay) -> bool:
+    """Whether a program of the workspace is a Python file that uses the service `SpawnEntity`."""
+    package = next((one for one in overlay.written if one.name == program.package), None)
+    if package is None or package.manifest is None:
+        return False
+    facts, _ = read_build_facts(package.path, package.name, package.build_type)
+    file = program_files(facts).get(program.executable or "")
+    node = None if file is None else read_node_file(file)
+    return node is not None and "SpawnEntity" in node.imported
 
 
 def _read_models(file: Path, environment: Mapping[str, str], share_of: ShareOf) -> SdfFile | None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.diagnostics import Diagnostic, Severity, has_errors
+from wsgen.diagnostics import Diagnostic, Severity, has_errors, worst_of_each
 from wsgen.errors import NotFoundError, WsgenError
 from wsgen.isolation import parent
 from wsgen.launch.descriptions import UNKNOWN_DESCRIPTION, UNPUBLISHED_DESCRIPTION
@@ -244,7 +244,7 @@ class Validation:
 
     def reported(self) -> tuple[Diagnostic, ...]:
         """The diagnostics with files of the source, without those that the package allows."""
-        reported = self.named(self.diagnostics)
+        reported = self.named(worst_of_each(self.diagnostics))
         if self.selected.is_first:
             reported += tuple(self.of_package())
         return reported if self.settings is None else without_allowed(reported, self.settings.allow)

@@ -30,12 +30,18 @@ from wsgen.model.transform import IDENTITY, Pose
 from wsgen.rules.check import check_robot
 from wsgen.rules.friction import turning_friction
 from wsgen.rules.plugins import DUPLICATE_SENSOR
-from wsgen.rules.robot_files import path_of_one_machine, uncalled_macros, unprefixed_xacro
+from wsgen.rules.robot_files import (
+    UNPREFIXED_XACRO,
+    path_of_one_machine,
+    uncalled_macros,
+    unprefixed_xacro,
+)
 from wsgen.sdf.includes import DATABASE_MODELS
 from wsgen.sdf.lookup import is_folder, model_finder, model_folders, resource_folders
 from wsgen.sdf.models import read_model, read_sdf
 from wsgen.urdf.lumping import (
     DROPPED_BY_OLD_SDFORMAT,
+    DROPPED_LINK,
     IMPOSSIBLE_SUM,
     LUMPED_END_OF_SDF_JOINT,
     lump,
@@ -205,7 +211,7 @@ def _prepare(
             found, text=text, file=file, share_of=context.share_of, written=sources
         )
     if written is not None and file is not None:
-        found += _of_files(sources, written, file, found)
+        found = _at_the_call((*found, *_of_files(sources, written, file, found)))
     return prepared and replace(prepared, diagnostics=found), found
 
 
@@ -294,6 +300,27 @@ def _at_the_misspelling(
             message = f"{what}: {error.message}"
             reported[place] = replace(cause, severity=Severity.ERROR, message=message)
     return tuple(reported), tuple(left)
+
+
+def _at_the_call(found: Sequence[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """Say at a macro that is called without `xacro:` that Gazebo refuses its link for that."""
+    calls = {
+        (one.element or "").partition("/")[0]: one
+        for one in found
+        if one.code == UNPREFIXED_XACRO.code and "/" in (one.element or "")
+    }
+    refused = {
+        one.element: one
+        for one in found
+        if one.code == DROPPED_LINK.code and one.element is not None and one.element in calls
+    }
+    errors = {
+        calls[name]: replace(
+            calls[name], severity=one.severity, message=f"{calls[name].message} {one.message}"
+        )
+        for name, one in refused.items()
+    }
+    return tuple(errors.get(one, one) for one in found if one not in refused.values())
 
 
 def _is_in_inertial(element: str, link: str) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.diagnostics import has_errors
+from wsgen.diagnostics import has_errors, worst_of_each
 from wsgen.errors import RequestError
 from wsgen.files import real_path
 from wsgen.pipeline.baseline import divide_known, load_baseline
@@ -99,7 +99,7 @@ def filter_outcome(outcome: CheckOutcome, filters: Filters) -> Reported:
         only=outcome.only,
     )
     found = choose(found, select=filters.select, ignore=filters.ignore)
-    found = fold_not_installed(found, outcome.folders)  # into what is reported
+    found = fold_not_installed(worst_of_each(found), outcome.folders)  # into what is reported
     known: tuple[Diagnostic, ...] = ()
     if filters.baseline is not None:
         file = filters.baseline.absolute()

@@ -119,7 +119,7 @@ def name_markers(plan: LaunchPlan, overlay: Overlay) -> LaunchPlan:
 def read_plan(plan: LaunchPlan, overlay: Overlay, seconds: float) -> Started:
     """What a plan starts; `seconds` is how long it took to evaluate it."""
     simulator, no_simulator = find_simulator(plan)
-    robots = find_robots(plan, overlay.environment, overlay.look_up)
+    robots = find_robots(plan, overlay)
     lacks_something = has_errors(plan.diagnostics)
     found = tuple(
         one

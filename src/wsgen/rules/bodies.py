@@ -430,7 +430,7 @@ SLIPPERY_WHEEL = Rule(
     code="ROB122",
     name="slippery-wheel",
     severity=Severity.WARNING,
-    severity_varies="information about a wheel that no plugin drives",
+    severity_varies="information about a wheel that no drive turns",
     summary="A wheel has no friction.",
     what="Looks for `<mu1>` or `<mu2>` below 0.001 on the links of the joints that a drive turns, "
     "and of continuous joints with `wheel` in a name. Casters may have no friction; mecanum wheels "
@@ -444,7 +444,7 @@ SLIPPERY_WHEEL = Rule(
 def slippery_wheels(
     driven: Collection[str], joints: Iterable[Joint], tags: Iterable[GazeboTag], file: Path | None
 ) -> Iterator[Diagnostic]:
-    """Report wheels that cannot push; `driven` are the joints that plugins turn."""
+    """Report wheels that cannot push; `driven` are the joints that a drive turns."""
     wheels = {
         joint.child: Severity.WARNING if joint.name in driven else Severity.INFO
         for joint in joints

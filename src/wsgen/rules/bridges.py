@@ -76,8 +76,9 @@ UNKNOWN_BRIDGE_TOPIC = Rule(
     severity=Severity.WARNING,
     summary="A bridge names a Gazebo topic that does not exist in the robot or the world.",
     what="Compares the topics with those of the plugins and sensors that are spawned, with their "
-    "default names. Only topics that look like a misspelling of one of these are reported, and "
-    "those of a world or a model with another name.",
+    "default names. Only topics that look like a misspelling of one of these are reported, those "
+    "of a world or a model with another name, and that of a sensor whose type only one sensor has, "
+    "at another topic.",
     why="No message arrives, without any error.",
     example="# the world is named `office`\n"
     "arguments=['/world/default/model/r/joint_state@sensor_msgs/msg/JointState[gz.msgs.Model']",
@@ -265,7 +266,7 @@ def check_bridges(
         # What is meant may be bridged beside it, for another world or robot.
         yield from (
             found
-            for found in unknown_topic(bridge, known, world, models)
+            for found in unknown_topic(bridge, known, world, models, bridged)
             if not any(found.hint == did_you_mean(other) for other in bridged)
         )
 
@@ -373,8 +374,12 @@ def unknown_topic(
     known: Collection[GazeboTopic],
     world: str | None,
     models: Collection[str] | None,
+    bridged: Collection[str] = (),
 ) -> Iterator[Diagnostic]:
-    """Report a topic that is nearly a known one, or below a world or model of another name."""
+    """Report a topic that is nearly a known one, or below a world or model of another name.
+
+    So is one of a sensor where the only sensor of that type has another topic, which no bridge has.
+    """
     topic = absolute(bridge.gz_topic)
     names = {one.name for one in known}
     if topic in names:
@@ -395,6 +400,11 @@ def unknown_topic(
     else:
         fitting = {one.name for one in known if one.type == bridge.gz_type.rpartition(".")[2]}
         near = _near_topic(topic, fitting)
+        pair = bridge.ros_type, bridge.gz_type.rpartition(".")[2]
+        is_sure = models is not None and pair in _pairs()
+        if near is None and is_sure and len(fitting) == 1 and not fitting & {*bridged}:
+            owner = next(one.owner for one in known if one.name in fitting)
+            near = fitting.pop() if owner.startswith("the sensor") else None
         if near is not None:
             message = f"The topic `{topic}` does not exist in the robot or the world."
             hint = did_you_mean(near)

@@ -60,6 +60,7 @@ def check_robot(
         preserved=preserved,
     )
     driven = plugins.driven_joints(written.gazebo)
+    driven |= ros2_control.driven_joints(written.controls, written.joints)
     return (
         *robots.number_beyond_engines(written.links, written.joints, file),
         *robots.implausible_size(written.links, written.joints, file),

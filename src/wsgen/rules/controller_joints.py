@@ -167,6 +167,8 @@ CONTROLLER_WITHOUT_PARAMETERS = Rule(
     code="ROB113",
     name="controller-without-parameters",
     severity=Severity.WARNING,
+    severity_varies="an error where the parameters of a controller that a launch file starts have "
+    "another name",
     summary="A controller has a type but lacks required parameters.",
     what="Looks for controllers whose type needs joints, where the parameter file that sets the "
     "type does not set the joints.",
@@ -204,7 +206,10 @@ def check_controllers(
         own = [values for full, values in sections if full.rpartition("/")[2] == name]
         needed = NEEDED.get(kind, ())
         if needed and not any(values.get(key) for values in own for key in needed):
-            yield _without_parameters(name, kind, line, sections, types, file)
+            is_started = name in robot.started
+            yield _without_parameters(
+                name, kind, line, sections, types, file, is_started=is_started
+            )
         severity = None if name in robot.started else Severity.WARNING
         for values in own:
             yield from invalid_parameters(name, kind, values, file, severity)
@@ -234,6 +239,8 @@ def _without_parameters(  # noqa: PLR0913, PLR0917  a controller, and what is be
     sections: Sequence[tuple[str, yamlfile.Value]],
     types: Collection[str],
     file: Path,
+    *,
+    is_started: bool,
 ) -> Diagnostic:
     """Report a controller without parameters: where they stand if they have another name."""
     needed = NEEDED[kind]
@@ -254,7 +261,14 @@ def _without_parameters(  # noqa: PLR0913, PLR0917  a controller, and what is be
             f"Rename `{other[0]}:` to `{name}:`, or set the type for `{other[0]}` in line {line}."
         )
         line = other[1].line - 2  # above `ros__parameters:`
-    return CONTROLLER_WITHOUT_PARAMETERS.at(file, line, name, message=f"{message}.", hint=hint)
+    return CONTROLLER_WITHOUT_PARAMETERS.at(
+        file,
+        line,
+        name,
+        message=f"{message}.",
+        hint=hint,
+        severity=Severity.ERROR if is_started and other is not None else None,
+    )
 
 
 def _names_any(values: yamlfile.Value, robot: Controlled) -> bool:

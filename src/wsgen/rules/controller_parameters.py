@@ -181,9 +181,14 @@ def _how_to_write(key: str, value: yamlfile.Value, type_: str) -> str | None:
     right = {
         list: f"{elements[0].content}" if elements else "...",
         int: f"{content}.0" if type_ == "double" else f"'{content}'",
-        str: f"{content}",
+        str: _as_number(f"{content}", type_),
     }.get(type(content), "true or false" if type_ == "boolean" else f"a {type_}")
     return f"Write {key}: {right}"
+
+
+def _as_number(text: str, type_: str) -> str:
+    """What to write for a number in quotes."""
+    return f"{text}.0" if type_ == "double" and text.lstrip("+-").isdigit() else text
 
 
 def _shown(value: yamlfile.Value) -> str:

@@ -226,16 +226,23 @@ def _oversized(
 
 
 def check_drive_controller(
-    robot: Robot, name: str, values: yamlfile.Value, file: Path
+    robot: Robot, name: str, values: yamlfile.Value, file: Path, robot_file: Path | None = None
 ) -> Iterator[Diagnostic]:
-    """Report parameters of a diff_drive_controller that are not those of the wheels."""
+    """Report parameters of a diff_drive_controller that are not those of the wheels.
+
+    What is wrong with the robot itself is reported in `robot_file`, where that is known.
+    """
     links = {link.name: link for link in robot.links}
     wheels = {joint.name: links.get(joint.child) for joint in robot.joints}
     sides = [values.get(f"{side}_wheel_names") for side in ("left", "right")]
     names = [[one.text or "" for one in side.elements()] if side else [] for side in sides]
     if not all(names):
         return
-    yield from wheels_across(robot, zip(*names, strict=False), file, sides[0] and sides[0].line)
+    pairs = zip(*names, strict=False)
+    if robot_file is not None:
+        yield from wheels_across(robot, pairs, robot_file)
+    else:
+        yield from wheels_across(robot, pairs, file, sides[0] and sides[0].line)
     left, right = (wheels.get(each[0]) for each in names)
     if left is None or right is None:
         return

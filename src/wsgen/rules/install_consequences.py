@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.build_files.cmake_checks import DIFFERENT_NAMES, MISSING_INSTALLED_PATH
@@ -22,14 +23,15 @@ from wsgen.build_files.install_checks import (
 )
 from wsgen.build_files.python_checks import BROKEN_SCRIPT
 from wsgen.diagnostics import Severity
-from wsgen.launch.explain_missing import EXECUTABLE_NOT_FOUND, PACKAGE_NOT_FOUND
+from wsgen.launch.explain_missing import EXECUTABLE_NOT_FOUND, PACKAGE_NOT_FOUND, XACRO_FAILS
+from wsgen.launch.undeclared import UNDECLARED_PACKAGE
+from wsgen.rules.package_uses import UNDECLARED_DEPENDENCY
 from wsgen.suggestions import suggested
 from wsgen.values import lazy_pattern
 from wsgen.xacro.reader import XACRO_FILE_FAILS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
-    from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
 
@@ -44,6 +46,7 @@ _OF_PROGRAMS = frozenset(
 _NOT_FOUND = frozenset(rule.code for rule in (PACKAGE_NOT_FOUND, XACRO_FILE_FAILS))
 _FOLLOWING = ("LCH", "ROB", "SPN", "WLD")  # families
 _PLACE = lazy_pattern(r"(?<![\w.-])share/([\w-]+)/([\w.-]+)")
+_GIVEN = lazy_pattern(r"'([\w.-]+)/[^']*' of ([\w-]+), which is not installed")
 _PACKAGE = lazy_pattern(r"package '([\w-]+)'")
 _ORDER = list(Severity)
 
@@ -80,16 +83,30 @@ def _without_echoes(diagnostics: Sequence[Diagnostic]) -> Iterator[Diagnostic]:
         for one in diagnostics
         if one.code == MISSING_INSTALLED_PATH.code
     }
+    programs = {Path(name).name for _, name in meant if name is not None}
     renamed = {
         one.element for one in diagnostics if one.code == DIFFERENT_NAMES.code and one.element
     }
+    unnamed = {one.reason for one in diagnostics if one.code == DIFFERENT_NAMES.code and one.reason}
+    of_launch = {(one.file, one.line) for one in diagnostics if one.code in _OF_LAUNCH}
     for one in diagnostics:
-        is_of_folder = one.code == FOLDER_NOT_INSTALLED.code
-        if is_of_folder and (one.file, one.element) in meant:
-            continue
-        if one.code in _NOT_FOUND and suggested(one.hint) in renamed:
+        if (
+            (one.code == FOLDER_NOT_INSTALLED.code and (one.file, one.element) in meant)
+            or (one.code == EXECUTABLE_NOT_FOUND.code and one.element in programs)
+            or (one.code in _NOT_FOUND and suggested(one.hint) in renamed)
+            or (one.code in _OF_NAMES and not unnamed.isdisjoint(_WORD.findall(one.message)))
+            # Of what a launch file expands, both say the same.
+            or (one.code == XACRO_FILE_FAILS.code and (one.file, one.line) in of_launch)
+        ):
             continue
         yield one
+
+
+_WORD = lazy_pattern(r"[\w-]+")
+_OF_NAMES = frozenset(
+    rule.code for rule in (PACKAGE_NOT_FOUND, UNDECLARED_DEPENDENCY, UNDECLARED_PACKAGE)
+)
+_OF_LAUNCH = frozenset(rule.code for rule in (PACKAGE_NOT_FOUND, XACRO_FAILS))
 
 
 def _causes_of(
@@ -102,6 +119,7 @@ def _causes_of(
         names = [(package[1], found.element or "", _OF_PROGRAMS)] if package else []
     else:
         names = [(one[1], one[2], OF_FOLDERS) for one in _PLACE.finditer(found.message)]
+        names += [(one[2], one[1], OF_FOLDERS) for one in _GIVEN.finditer(found.message)]
     for package_name, name, codes in names:
         folder = folders.get(package_name)
         for cause in causes:

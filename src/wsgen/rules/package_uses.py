@@ -148,11 +148,21 @@ def check_uses(
     known = released_packages()
     tested = manifest.test_dependencies
     misplaced = {
-        entry.text for tag in DEPENDENCY_TAGS for entry in manifest.entries.get(("export", tag), ())
+        entry.text
+        for path, entries in manifest.entries.items()
+        if path
+        and path not in {(tag,) for tag in DEPENDENCY_TAGS}
+        and "depend" in path[-1]  # in <export>, or misspelled
+        for entry in entries
     }
     missing: dict[Path, list[PackageUse]] = {}
     first: dict[str, PackageUse] = {}
-    for use in _needed(uses, for_run):
+    users = [
+        declared_by(manifests, name, RUN_TAGS, distro)
+        for name, one in manifests.items()
+        if name != manifest.name and manifest.name in one.names(RUN_TAGS, distro)
+    ]
+    for use in _needed(uses, for_run, [one for one in users if one & _SIMULATORS]):
         package = use.package
         if (
             package in {manifest.name, *first, *misplaced}
@@ -187,17 +197,24 @@ def _needs(package: str, name: str, manifests: Mapping[str, Manifest]) -> bool:
     return name in declared_by(manifests, package, tags, None, further=tags)
 
 
-def _needed(uses: Sequence[PackageUse], declared: Collection[str]) -> Iterator[PackageUse]:
+def _needed(
+    uses: Sequence[PackageUse], declared: Collection[str], users: Sequence[Collection[str]] = ()
+) -> Iterator[PackageUse]:
     """The uses of what is surely needed.
 
-    Who starts Gazebo or the controllers from another package declares there what they load.
+    Who starts Gazebo or the controllers from another package declares there what they load: each
+    of the `users` is what a package that depends on this one, and on a simulator, declares.
     """
     started = {use.package for use in uses if use.kind == LAUNCH}
     for use in uses:
         is_plugin, is_controller = use.kind == PLUGIN, use.kind == CONTROLLER
         if is_plugin and (
-            not started & _SIMULATORS
-            or any(use.package in group and group & {*declared} for group in _ALTERNATIVES)
+            not (started & _SIMULATORS or users)
+            or any(
+                use.package in group and group & {*those}
+                for group in _ALTERNATIVES
+                for those in (declared, *users)
+            )
         ):
             continue
         if is_controller and "controller_manager" not in started:

@@ -74,6 +74,18 @@ UNKNOWN_FIELD = Rule(
     example="command = Twist()\ncommand.liner.x = 0.2",
     instead="command = Twist()\ncommand.linear.x = 0.2",
 )
+WHOLE_NUMBER = Rule(
+    code="PKG110",
+    name="integer-for-float",
+    severity=Severity.ERROR,
+    severity_varies=OF_MODULE,
+    summary="A node assigns an integer to a field of a message that holds a float.",
+    what="Checks the fields of vectors, points and quaternions of geometry_msgs.",
+    why="Up to Iron, the node ends with an `AssertionError`: The 'x' field must be of type "
+    "'float'. Later distributions check nothing and send another number.",
+    example="command = Twist()\ncommand.linear.x = 1",
+    instead="command = Twist()\ncommand.linear.x = 1.0",
+)
 UNDEFINED_NAME = Rule(
     code="BLD073",
     name="undefined-name-in-node",
@@ -104,7 +116,8 @@ INVALID_NODE_CALL = Rule(
     summary="A node calls a method of `rclpy` with wrong arguments.",
     what="Checks the arguments of `create_publisher()`, `create_subscription()`, "
     "`create_service()`, `create_client()` and `create_timer()`, and reports callbacks that are "
-    "called instead of passed, and `super().__init__()` without the node name.",
+    "called instead of passed, `super().__init__()` without the node name, and methods without "
+    "`self`.",
     why="The node exits with a `TypeError` or an `AttributeError`.",
     example="self.timer = self.create_timer(0.1, self.tick())",
     instead="self.timer = self.create_timer(0.1, self.tick)",
@@ -405,6 +418,18 @@ def invalid_calls(node: NodeFile, one: NodeClass) -> Iterator[Diagnostic]:
         if name in PARAMETERS and name not in one.methods and _is_of_self(call.func):
             yield from _arguments(node, one, call, name)
     yield from _unnamed(node, one)
+    for method in one.definition.body:
+        if isinstance(method, ast.FunctionDef) and not method.decorator_list:
+            own = method.args
+            if not (own.posonlyargs or own.args or own.vararg):
+                yield INVALID_NODE_CALL.at(
+                    node.file,
+                    method.lineno,
+                    f"{one.definition.name}.{method.name}",
+                    message=f"The method `{method.name}()` has no parameter `self`: each call of "
+                    "it ends with a TypeError.",
+                    hint=f"Write: def {method.name}(self):",
+                )
 
 
 def _is_of_self(func: ast.expr) -> bool:
@@ -578,6 +603,7 @@ def unknown_fields(node: NodeFile) -> Iterator[Diagnostic]:
             types = _types_in(node, function, callbacks)
             if types:
                 yield from _unknown_fields(node, function, types)
+                yield from _whole_numbers(node, function, types)
 
 
 def _types_of_callbacks(node: NodeFile) -> dict[str, tuple[str, ...]]:
@@ -656,6 +682,28 @@ def _unknown_fields(
             message=f"{short} has no field `{name}`.",
             hint=hint,
         )
+
+
+# Their fields are all of type float64.
+_OF_FLOATS = frozenset(f"geometry_msgs/{name}" for name in ("Point", "Quaternion", "Vector3"))
+
+
+def _whole_numbers(
+    node: NodeFile, function: ast.AST, types: Mapping[str, str]
+) -> Iterator[Diagnostic]:
+    for use in ast.walk(function):
+        if not isinstance(use, ast.Assign) or not isinstance(use.targets[0], ast.Attribute):
+            continue
+        target, text = use.targets[0], ast.unparse(use.value)
+        type_ = _type_of(target.value, types)
+        if type_ and _short(type_) in _OF_FLOATS and text.removeprefix("-").isdigit():
+            yield WHOLE_NUMBER.at(
+                node.file,
+                use.lineno,
+                target.attr,
+                message=f"`{ast.unparse(target)}` is a float, but is set to the integer {text}.",
+                hint=f"Write {ast.unparse(target)} = {text}.0",
+            )
 
 
 def _type_of(node: ast.expr, types: Mapping[str, str]) -> str | None:

@@ -108,7 +108,9 @@ def unprefixed_xacro(elements: Iterable[Written]) -> Iterator[Diagnostic]:
         yield UNPREFIXED_XACRO.at(
             element.file,
             element.line,
-            element.tag if name is None else f"{element.tag}[@name='{name}']",
+            "/".join((*above[1:], element.tag))
+            if name is None
+            else f"{element.tag}[@name='{name}']",
             message=f"<{element.tag}> calls a macro without the prefix `xacro:`: it has no effect."
             if is_call
             else f"<{element.tag}> is a xacro element without the prefix `xacro:`: it has no "

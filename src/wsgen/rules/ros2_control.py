@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.diagnostics import Rule, Severity
 from wsgen.gazebo.systems import control_library
 from wsgen.model.robot import JointType
+from wsgen.model.target import DISTROS_WITH_CLASSIC
 from wsgen.suggestions import did_you_mean, nearest
 
 if TYPE_CHECKING:
@@ -61,6 +62,14 @@ class ControlFacts(NamedTuple):
     plugins: Sequence[Plugin]
     simulator: str | None = None  # "classic", "gz"
     distro: str | None = None
+
+
+def driven_joints(controls: Iterable[ControlSystem], joints: Iterable[Joint]) -> set[str]:
+    """The joints without an end whose speed is commanded: wheels."""
+    endless = {joint.name for joint in joints if joint.type is JointType.CONTINUOUS}
+    return endless & {
+        part.name for system in controls for part in system.joints if "velocity" in part.commands
+    }
 
 
 def control_plugins(tags: Iterable[GazeboTag]) -> tuple[Plugin, ...]:
@@ -194,8 +203,8 @@ def controlled_joints(
                 place,
                 message=f"<ros2_control> names the joint `{part.name}`, which is fixed and cannot "
                 "be controlled.",
-                hint=f"Remove it from <ros2_control>, or make `{part.name}` revolute, continuous "
-                "or prismatic.",
+                hint=f"Make `{part.name}` revolute, continuous or prismatic, or remove it from "
+                "<ros2_control>.",
                 severity=Severity.ERROR if is_refused else Severity.WARNING,
             )
         elif joint.mimic is not None and facts.distro not in LENIENT:
@@ -457,6 +466,8 @@ def unsuited_hardware(
     there = {_simulator_of(plugin) for plugin in facts.plugins}
     meant = SIMULATORS.get(package)
     wanted = facts.simulator or next(iter(there), None)
+    if wanted == CLASSIC and facts.distro not in {None, *DISTROS_WITH_CLASSIC}:
+        wanted = SIM  # the plugin is reported
     if meant is None:
         if there and package in MOCKS:
             yield UNSUITED_HARDWARE.at(
@@ -496,6 +507,7 @@ CONTROL_WITHOUT_PLUGIN = Rule(
     code="ROB094",
     name="control-without-plugin",
     severity=Severity.WARNING,
+    severity_varies="an error where the launch file starts controllers",
     summary="A robot has Gazebo hardware without its plugin, or the plugin without hardware.",
     why="Gazebo's plugin for ros2_control starts the controller manager and loads the hardware of "
     "`<ros2_control>`. One without the other does nothing: spawners wait forever for a controller "

@@ -105,6 +105,7 @@ FUEL_MODEL = Rule(
 )
 
 # Their Fuel addresses end in the same words, with capitals and a blank.
+SCHEMES = ("model://", "file://", "package://", "http://", "https://")
 GROUND_PLANE = "ground_plane"
 SUN = "sun"
 
@@ -466,12 +467,16 @@ def _may_be_elsewhere(uri: str) -> bool:
 
 def _near_model(source: Source, uri: str) -> str | None:
     """The model that is meant by a `model://NAME` that was not found."""
-    scheme, _, name = uri.partition("://")
+    scheme, separator, name = uri.partition(":")
+    name = name.strip("/")
     models = gazebo_models()
-    if scheme != "model" or name in models:
+    is_address = uri.startswith("model://")
+    if not separator or (is_address and name in models):
+        return None
+    if scheme != "model" and nearest(scheme, ("model",), cutoff=ALIKE) is None:
         return None
     names = {*models, *(models_around(source.file) if source.file else ())}
-    return nearest(name.strip("/"), names, cutoff=ALIKE)
+    return name if name in names and not is_address else nearest(name, names, cutoff=ALIKE)
 
 
 def is_sun(uri: str) -> bool:
@@ -485,6 +490,8 @@ def is_ground_plane(uri: str) -> bool:
 
 
 def _plain_name(uri: str) -> str:
+    if ":" in uri and not uri.startswith(SCHEMES):
+        return uri
     address = address_of(uri) if "models" in uri else None
     last = uri.rstrip("/").rpartition("/")[2] if address is None else address.name
     return last.lower().replace(" ", "_").replace("%20", "_")

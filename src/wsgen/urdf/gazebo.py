@@ -21,7 +21,14 @@ from wsgen.model.robot import GAZEBO_COLORS, GazeboTag, Plugin, SdfJoint, Sensor
 from wsgen.suggestions import did_you_mean, nearest
 from wsgen.urdf.sensors import check_plugins, check_sensors
 from wsgen.urdf.unknown_elements import nearest_element
-from wsgen.urdf.values import LEFT_OVER, NUMBER, leading_float, leading_integer, line_of
+from wsgen.urdf.values import (
+    LEFT_OVER,
+    NUMBER,
+    leading_float,
+    leading_integer,
+    line_of,
+    without_commas,
+)
 from wsgen.xmltree import child_text, child_texts, children, gz_attribute
 
 if TYPE_CHECKING:
@@ -420,7 +427,7 @@ def _check_number(collector: Collector, element: Element, path: str, key: str, t
         collector.report(
             GAZEBO_NOT_A_NUMBER,
             f"{what} is not one number: Gazebo reads the beginning, {number:g}.",
-            hint=f"Write {number:g}, or the number that is meant.",
+            hint=f"Write {without_commas(text, 1) or f'{number:g}, or the number that is meant'}.",
             at=element,
             path=path,
             severity=Severity.WARNING,

@@ -646,7 +646,9 @@ def _report_dropped(
             blamed.line,
             f"link[@name='{blamed.name}']",
             message=message,
-            hint=f"Add an <inertial> with a mass to `{blamed.name}`"
+            hint=f"Write the mass of `{blamed.name}` in kilograms."
+            if blamed.inertial is not None
+            else f"Add an <inertial> with a mass to `{blamed.name}`"
             + (
                 ", or attach a link with mass to it by a fixed joint."
                 if blamed.name == name

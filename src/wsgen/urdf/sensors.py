@@ -71,7 +71,8 @@ INVALID_SENSOR_VALUE = Rule(
     code="ROB099",
     name="invalid-sensor-value",
     severity=Severity.ERROR,
-    severity_varies="a warning for a text that begins with a number",
+    severity_varies="a warning for a text that begins with a number, and for a range that ends "
+    "before it begins",
     summary="A value of a sensor is not a number or flag, or is out of range.",
     what="Checks rates, sizes, ranges, angles, noise, flags and poses in `<sensor>`. The field of "
     "view of a camera is an angle between 0.1 and 6.28 rad.",
@@ -123,6 +124,7 @@ def check_sensors(collector: Collector, element: Element, path: str) -> None:
                 path=place,
             )
         check_plugins(collector, sensor, place)
+        _check_range(collector, sensor, place)
         for inner, below in _leaves(sensor, place):
             problem = _problem(inner, str(inner.tag), (inner.text or "").strip())
             if problem is not None:
@@ -135,6 +137,25 @@ def check_sensors(collector: Collector, element: Element, path: str) -> None:
                     path=below,
                     severity=severity,
                 )
+
+
+def _check_range(collector: Collector, sensor: Element, path: str) -> None:
+    """Report a range that ends before it begins."""
+    for inner, below in _leaves(sensor, path):
+        if inner.tag not in {"range", "clip"}:
+            continue
+        first, last = ("min", "max") if inner.tag == "range" else ("near", "far")
+        begin, end = (leading_float((inner.findtext(tag) or "").strip()) for tag in (first, last))
+        if begin is not None and end is not None and begin >= end:
+            collector.report(
+                INVALID_SENSOR_VALUE,
+                f"<{inner.tag}> begins at {begin:g} m and ends at {end:g} m: the sensor measures "
+                "nothing.",
+                hint="Write the shorter distance first.",
+                at=inner,
+                path=below,
+                severity=Severity.WARNING,
+            )
 
 
 def _leaves(element: Element, path: str) -> Iterator[tuple[Element, str]]:

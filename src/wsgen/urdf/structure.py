@@ -139,6 +139,8 @@ def find_root(
         return None
     roots = [name for name in links if name not in parent_of]
     _report_cycle(collector, parent_of)
+    if len(roots) > 1 and len(collector.errors) == before:
+        roots.sort(key=lambda root: -_size_below(root, parent_of))
     many = f"{len(roots)} links have no parent ({_some(roots)}): a robot has exactly one root."
     if len(roots) > 1 and not collector.blame_misspelled(robot, "joint", many):
         collector.report(
@@ -149,6 +151,17 @@ def find_root(
             path=f"link[@name='{roots[1]}']",
         )
     return roots[0] if len(collector.errors) == before else None
+
+
+def _size_below(root: str, parent_of: Mapping[str, tuple[Joint, Element]]) -> int:
+    """How many links hang on a root: the largest tree is the robot, another one a loose part."""
+    children: dict[str, list[str]] = {}
+    for child, (joint, _) in parent_of.items():
+        children.setdefault(joint.parent, []).append(child)
+    below = [root]
+    for name in below:
+        below += children.get(name, ())
+    return len(below)
 
 
 def _check_ends(  # noqa: PLR0913, PLR0917  a joint, and what it is in

@@ -71,6 +71,17 @@ ATTRIBUTES = {
     "color": ("rgba",),
     "texture": ("filename",),
 }
+# Without which an element is refused.
+REQUIRED = {
+    "box": ("size",),
+    "cylinder": ("radius", "length"),
+    "sphere": ("radius",),
+    "mesh": ("filename",),
+    "mass": ("value",),
+    "parent": ("link",),
+    "child": ("link",),
+}
+OTHER_LENGTHS = frozenset(("diameter", "width"))  # twice a radius
 # Attributes that some program or version of the format has.
 OTHERS = frozenset(("type", "reference_position", "quat_xyzw", "convex", "id", "group"))
 SHORT = 4  # letters; of words up to this length other orders and neighbors are compared
@@ -130,14 +141,20 @@ def meant_element(tag: str, known: Sequence[str]) -> str | None:
     """The element that a misspelled one must be; None where none is nearly the same."""
     near = [other for other in known if other.lower() == tag.lower()]
     near = near or [other for other in known if sorted(other) == sorted(tag)]
+    near = near or [other for other in known if other == tag.replace("l", "1")]  # `mul`
     return near[0] if near else suggestions.nearest(tag, known, cutoff=ALIKE)
 
 
 def _check_attributes(collector: Collector, element: Element, path: str) -> None:
     known = ATTRIBUTES.get(str(element.tag), ())
     lacking = [name for name in known if name not in element.attrib]
-    for name in map(str, element.attrib):
-        meant = None if name in known or name in OTHERS else _meant(name, lacking)
+    others = [name for name in map(str, element.attrib) if name not in known]
+    required = [name for name in REQUIRED.get(str(element.tag), ()) if name in lacking]
+    is_only_one = len(required) == len(others) == 1 and others[0] not in OTHER_LENGTHS
+    for name in others:
+        meant = None if name in OTHERS else _meant(name, lacking)
+        if meant is None and is_only_one and name not in OTHERS:
+            meant = required[0]
         if meant is not None:
             collector.report_misspelled(
                 MISSPELLED_ATTRIBUTE,

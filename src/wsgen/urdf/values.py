@@ -125,10 +125,12 @@ def read_numbers(  # noqa: PLR0913  what, where, and how it is called
         problem = "the number is followed by a blank"
     if problem is None:
         return tuple(number for number in numbers if isinstance(number, float))
+    meant = without_commas(text, count)
+    what = _numbers(count) if meant is None else f'{attribute}="{meant}"'
     collector.report(
         NOT_A_NUMBER,
         f'{attribute}="{text[:60]}": {problem}.',
-        hint=f"Write {_numbers(count)}. "
+        hint=f"Write {what}. "
         f"Gazebo {'refuses' if is_fatal else 'ignores'} anything else; other programs silently "
         "read 0.",
         at=element,
@@ -152,6 +154,15 @@ def read_triple(
     """The three numbers of an optional attribute; None where it is missing or invalid."""
     numbers = read_numbers(collector, element, attribute, 3, path, required=False)
     return None if numbers is None else (numbers[0], numbers[1], numbers[2])
+
+
+def without_commas(text: str, count: int) -> str | None:
+    """The numbers that a text with commas stands for: between numbers, or in them."""
+    for other in (" ", "."):
+        words = text.replace(",", other).split()
+        if len(words) == count and not any(isinstance(parse_number(one), str) for one in words):
+            return " ".join(words) if "," in text else None
+    return None
 
 
 def _numbers(count: int) -> str:

@@ -42,6 +42,7 @@ SOURCE_USED = Rule(
     code="PKG065",
     name="source-used",
     severity=Severity.INFO,
+    severity_varies="an error where the package is built and not registered",
     summary="A package is not built, or not registered; its source folder is used as its share "
     "folder.",
     what="Looks for packages of the workspace, or of the repository, that no install space has in "
@@ -120,10 +121,13 @@ class Overlay:
                 [name for name in used if name in self.unregistered],
                 "Built, but not registered in the ament index, where ROS looks",
                 "Call ament_package() at the end of CMakeLists.txt, then run `wsgen build`.",
+                Severity.ERROR,
             ),
         )
 
-    def _sources_used(self, names: Sequence[str], why: str, hint: str) -> Iterator[Diagnostic]:
+    def _sources_used(
+        self, names: Sequence[str], why: str, hint: str, severity: Severity | None = None
+    ) -> Iterator[Diagnostic]:
         if names:
             more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
             folders = "Source folders are" if len(names) > 1 else "Its source folder is"
@@ -132,6 +136,7 @@ class Overlay:
                 message=f"{why}: {', '.join(names[:NAMED])}{more}. "
                 f"{folders} used as share folder{'s' if len(names) > 1 else ''}.",
                 hint=hint,
+                severity=severity,
             )
 
 

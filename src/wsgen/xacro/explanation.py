@@ -350,11 +350,15 @@ def _macro(found: _Trace, sources: _Sources) -> Explanation | None:
         parameters = [
             parameter
             for macro in sources.defining("macro", name)
-            for parameter in re.findall(r"(?:^|\s)(\w+)", macro.attributes.get("params", ""))
+            for parameter in re.findall(r"(?:^|\s)([^\W\d]\w*)", macro.attributes.get("params", ""))
         ]
         return {
             "message": f'Invalid parameter "{wrong[1]}": the macro `{name}` has no such parameter',
-            "hint": advice(wrong[1], parameters, "Use one of the `params` of the macro."),
+            "hint": advice(
+                wrong[1], parameters, f"Use one of its parameters: {', '.join(parameters)}."
+            )
+            if parameters
+            else "Remove it.",
         }
     return None
 
@@ -428,7 +432,11 @@ def _with_values(found: _Trace) -> Explanation | None:
     values = ", ".join(f"{name} = {_short(repr(value))}" for name, value in found.values.items())
     if not values:
         return None
-    return {"message": f"{_message_of(found)} with {values}", "hint": USUAL}
+    is_power = "for ^" in str(found.cause)
+    return {
+        "message": f"{_message_of(found)} with {values}",
+        "hint": "Write `**` for a power: `x**2`." if is_power else USUAL,
+    }
 
 
 _EXPLAINERS: tuple[Callable[[_Trace, _Sources], Explanation | None], ...] = (
