@@ -112,3 +112,28 @@ def test_a_simulator_that_is_not_added(tmp_path: Path) -> None:
     wrong = (f"{begin}{include},\n", f"{created}{begin}")
     found = report(tmp_path, {"launch/cart.launch.py": wrong})
     assert ("no-simulator", "error") in [(name, severity) for name, severity, _ in found]
+
+
+def test_a_world_that_gazebo_is_not_given(tmp_path: Path) -> None:
+    """That the empty world lacks a system for a sensor is no second mistake."""
+    launch = "launch/cart.launch.py"
+    for number, (right, wrong, name) in enumerate(
+        (
+            ("['-r ', world]", "['-r', world]", "glued-arguments"),
+            ("'gz_args'", "'gz_arg'", "unused-include-argument"),
+        )
+    ):
+        found = report(tmp_path / str(number), {launch: (right, wrong)})
+        assert [one for one, _, _ in found] == [name]
+
+
+def test_a_spawner_of_controllers_that_humble_has_not(tmp_path: Path) -> None:
+    found = report(tmp_path, {"launch/cart.launch.py": ("='spawner'", "='spawner.py'")})
+    assert [name for name, _, _ in found] == ["executable-not-found"]
+
+
+def test_a_path_that_lacks_a_slash(tmp_path: Path) -> None:
+    wrong = ("os.path.join(share, 'worlds', 'office.sdf')", "share + 'worlds/office.sdf'")
+    [(name, _, message)] = report(tmp_path, {"launch/cart.launch.py": wrong})
+    assert name == "missing-world"
+    assert message.endswith("'/' is missing after the share folder of cart.")

@@ -482,8 +482,8 @@ def test_a_loose_part_is_named_and_not_the_robot(tmp_path: Path) -> None:
 def test_a_macro_without_its_prefix_explains_what_gazebo_drops(tmp_path: Path) -> None:
     macro = """<robot name="rover" xmlns:xacro="http://www.ros.org/wiki/xacro">
   <xacro:macro name="weight"><inertial><mass value="1"/></inertial></xacro:macro>"""
-    text = swap(ROVER, '<robot name="rover">', macro)
-    text = swap(text, INERTIAL, "<weight/>")
+    text = swap(ROVER, INERTIAL, "<weight/>")
+    text = swap(text, '<robot name="rover">', macro)
     file = tmp_path / "rover.xacro"
     file.write_text(text)
     reported = diagnose(expand(file, {}).stdout, file)

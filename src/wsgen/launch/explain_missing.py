@@ -421,7 +421,7 @@ def _of_join(path: str) -> Explanation | None:
             absolute.line,
             absolute.text,
         )
-    glued = _glued_package(path)
+    glued = glued_package(path)
     if glued is None:
         return None
     return Explanation(
@@ -432,7 +432,7 @@ def _of_join(path: str) -> Explanation | None:
     )
 
 
-def _glued_package(path: str) -> str | None:
+def glued_package(path: str) -> str | None:
     """The package whose share folder has become one word with what should be in it."""
     share, found, rest = path.replace(os.sep, "/").rpartition("/share/")
     name = rest.split("/", 1)[0]

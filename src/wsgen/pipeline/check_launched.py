@@ -108,6 +108,7 @@ def check_launched(  # noqa: PLR0913  most have defaults
     files = {
         file: _parameters(file) for file in controllers.parameter_files(_descriptions(started))
     }
+    yield from controllers.former_spawners(plan, distro)
     yield from controllers.unknown_controllers(plan, controllers.find_configured(plan, files))
     started_here = frozenset(controllers.started_controllers(plan))
     for file, content in files.items():

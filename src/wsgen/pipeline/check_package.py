@@ -34,7 +34,7 @@ from wsgen.pipeline.check_severities import (
     of_file_alone,
     of_launch,
     without_absent_packages,
-    without_replaced_options,
+    without_explained,
     without_simulation,
 )
 from wsgen.pipeline.check_sources import check_sources
@@ -47,7 +47,6 @@ from wsgen.pipeline.prepare import PrepareContext
 from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
 from wsgen.pipeline.started import Started, start
 from wsgen.rules import launch_files
-from wsgen.rules.controllers import former_spawners
 from wsgen.rules.target import target_of
 from wsgen.values import lazy_pattern
 from wsgen.workspace.layout import LAUNCH_FILES, find_launch_files
@@ -146,7 +145,7 @@ class PackageCheck:
             }
             here = {package.name for package in packages}
             known = without_absent_packages(unique.values(), declared, here)
-            found = tuple(without_replaced_options(known))
+            found = tuple(without_explained(known))
             step.succeeded = not has_errors(found)
         return found
 
@@ -183,8 +182,6 @@ class PackageCheck:
             [one.written for one in self.robots],
             [one.started.plan for one in candidates],
         )
-        for one in candidates:
-            yield from former_spawners(one.started.plan, self.distro)
         yield from check_topics(
             self.package,
             [one.started for one in candidates],

@@ -43,6 +43,7 @@ from wsgen.launch.explain_names import (
     REFUSED_BY_LAUNCH,
     UNSUPPORTED_API,
 )
+from wsgen.launch.launch_warnings import UNUSED_INCLUDE_ARGUMENT
 from wsgen.launch.simulators import NO_SIMULATOR
 from wsgen.launch.spawner_options import INVALID_SPAWNER_OPTION
 from wsgen.launch.undeclared import UNDECLARED_PACKAGE
@@ -52,7 +53,8 @@ from wsgen.pipeline.file_validation import NO_MODEL, PART_OF_ROBOT
 from wsgen.ros_names import released_packages
 from wsgen.rules.friction import NO_FRICTION_DIRECTION
 from wsgen.rules.ros2_control import INCOMPLETE_CONTROL
-from wsgen.rules.simulators import SPAWNER_OF_OTHER_SIMULATOR
+from wsgen.rules.simulators import GLUED_ARGUMENTS, SPAWNER_OF_OTHER_SIMULATOR
+from wsgen.rules.systems import MISSING_SENSOR_SYSTEM
 from wsgen.sdf.assembly import CLOSED_CHAIN, JOINT_LEFT_OUT
 from wsgen.sdf.includes import DOWNLOADED, ELSEWHERE
 from wsgen.sdf.models import NO_WORLD, NOT_SIMULATED
@@ -487,15 +489,32 @@ def _without_elsewhere(found: Diagnostic) -> Diagnostic:
     return found
 
 
-def without_replaced_options(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
-    """Leave out options of a spawner that is to be replaced by the one of another simulator."""
+def without_explained(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
+    """Leave out what another diagnostic of the same launch file explains.
+
+    These are options of a spawner that is to be replaced by the one of another simulator, and what
+    the empty world lacks where Gazebo is not given the world for a mistake in its arguments.
+    """
     found = list(diagnostics)
     replaced = {
         (one.file, one.line) for one in found if one.code == SPAWNER_OF_OTHER_SIMULATOR.code
     }
+    without_world = {
+        one.file
+        for one in found
+        if one.code == GLUED_ARGUMENTS.code
+        or (one.code == UNUSED_INCLUDE_ARGUMENT.code and suggested(one.hint) in _OF_GAZEBO)
+    }
     for one in found:
-        if one.code != INVALID_SPAWNER_OPTION.code or (one.file, one.line) not in replaced:
+        is_option = one.code == INVALID_SPAWNER_OPTION.code
+        is_of_world = one.code == MISSING_SENSOR_SYSTEM.code
+        if not (is_option and (one.file, one.line) in replaced) and not (
+            is_of_world and one.file in without_world
+        ):
             yield one
+
+
+_OF_GAZEBO = frozenset(("gz_args", "ign_args", "world"))
 
 
 def _is_in_own_package(missing: Diagnostic) -> bool:

@@ -18,6 +18,7 @@ from wsgen.pipeline.changed_since_build import (
     used_packages,
     with_needs,
 )
+from wsgen.pipeline.check_severities import without_explained
 from wsgen.pipeline.clock import DRAW, Clock
 from wsgen.pipeline.gazebo_models import DATABASE_MODEL, as_robots, look_up_model, robots_of_world
 from wsgen.pipeline.known_worlds import ReadWorld
@@ -244,7 +245,7 @@ class Validation:
 
     def reported(self) -> tuple[Diagnostic, ...]:
         """The diagnostics with files of the source, without those that the package allows."""
-        reported = self.named(worst_of_each(self.diagnostics))
+        reported = self.named(without_explained(worst_of_each(self.diagnostics)))
         if self.selected.is_first:
             reported += tuple(self.of_package())
         return reported if self.settings is None else without_allowed(reported, self.settings.allow)

@@ -10,6 +10,7 @@ from wsgen.launch.explain_missing import (
     absolute_part,
     first_missing,
     first_missing_path,
+    glued_package,
     where_written,
 )
 from wsgen.launch.known_packages import package_of
@@ -47,6 +48,14 @@ def missing_world(plan: LaunchPlan, file: Path, overlay: Overlay) -> Diagnostic:
             absolute.text,
             message=f"The world file '{file}' does not exist: {absolute.message}",
             hint=absolute.hint,
+        )
+    glued = glued_package(str(file))
+    if glued is not None:
+        return MISSING_WORLD.at(
+            *_where(plan, str(file), str(file).rpartition(glued)[2]),
+            message=f"The world file '{file}' does not exist: '/' is missing after the share "
+            f"folder of {glued}.",
+            hint=f"Write os.path.join(get_package_share_directory('{glued}'), ...).",
         )
     missing, beside = first_missing(str(file))
     worlds = [name for name in beside if name.endswith((".sdf", ".world"))]

@@ -96,7 +96,10 @@ def unprefixed_xacro(elements: Iterable[Written]) -> Iterator[Diagnostic]:
         for one in elements
         if one.tag == MACRO
     } - OF_URDF
+    link = ""  # that an element is in, or after
     for element in elements:
+        if element.tag == "link":
+            link = f"link[@name='{element.attributes.get('name')}']"
         is_call = element.tag in macros
         if not is_call and OF_XACRO.get(element.tag, "") not in element.attributes:
             continue
@@ -108,7 +111,9 @@ def unprefixed_xacro(elements: Iterable[Written]) -> Iterator[Diagnostic]:
         yield UNPREFIXED_XACRO.at(
             element.file,
             element.line,
-            "/".join((*above[1:], element.tag))
+            f"{link}/{element.tag}"
+            if is_in_link
+            else element.tag
             if name is None
             else f"{element.tag}[@name='{name}']",
             message=f"<{element.tag}> calls a macro without the prefix `xacro:`: it has no effect."
