@@ -111,6 +111,10 @@ CMAKE_CASES = {
         CMAKE.replace("${PROJECT_NAME}\n)", "${PROJECT_NAME}\n"),
         ("BLD011", 4, "The parenthesis of install( is not closed", "Add `)`"),
     ),
+    "does not close a brace": (
+        CMAKE.replace("${PROJECT_NAME}\n)", "${PROJECT_NAME\n)"),
+        ("BLD011", 6, "`${PROJECT_NAME` is not closed", "Write `${PROJECT_NAME}`"),
+    ),
     "asks for no CMake": (
         CMAKE.replace("cmake_minimum_required(VERSION 3.20)\n", ""),
         ("BLD031", 1, "does not call cmake_minimum_required()", "(VERSION 3.8...3.31)"),

@@ -69,6 +69,9 @@ def test_a_sound_package(tmp_path: Path) -> None:
         (START + INSTALL + "ament_pakage()\n" + END, ("unknown-command", 5, "error")),
         (START.replace("find_package(ament_cmake REQUIRED)\n", "") + INSTALL + END,
          ("unknown-command", 4, "error")),
+        (START.replace("find_package(ament_cmake REQUIRED)",
+                       "if(BUILD_TESTING)\n  find_package(ament_cmake_pytest QUIET)\nendif()")
+         + INSTALL + END, ("unknown-command", 7, "error")),
         (START + INSTALL.replace("}", "") + END, ("cmake-syntax", 4, "error")),
         (START + INSTALL.replace("DESTINATION", "DESTNATION") + END,
          ("misspelled-keyword", 4, "error")),
@@ -111,6 +114,14 @@ def test_a_sound_package(tmp_path: Path) -> None:
 )  # fmt: skip
 def test_mistakes(tmp_path: Path, text: str, expected: tuple[str, int, str]) -> None:
     assert report(tmp_path, text) == [expected]
+
+
+def test_folders_with_a_comma_between_them(tmp_path: Path) -> None:
+    report(tmp_path, START + INSTALL.replace("launch urdf", "launch, urdf") + END)
+    found = read_build_facts(tmp_path, "bot", "ament_cmake")[1]
+    assert [one.hint for one in found if one.name == "missing-installed-path"] == [
+        "Did you mean `launch`? CMake separates arguments by blanks alone."
+    ]
 
 
 def test_names_that_are_no_keywords(tmp_path: Path) -> None:

@@ -20,6 +20,8 @@ from wsgen.launch.explain_missing import (
 )
 from wsgen.rules.install_consequences import fold_not_installed
 from wsgen.rules.launch_files import MISSING_ARGUMENT_FILE
+from wsgen.rules.plugins import PLUGIN_OF_OTHER_SIMULATOR
+from wsgen.rules.ros2_control import UNSUITED_HARDWARE
 from wsgen.xacro.reader import XACRO_FILE_FAILS
 
 SRC = Path("/ws/src/crab")
@@ -153,3 +155,11 @@ def test_what_a_launch_file_expands_is_reported_once() -> None:
     )
     other = replace(of_file, line=4)
     assert fold_not_installed([of_file, of_launch, other], FOLDERS) == (of_launch, other)
+
+
+def test_hardware_beside_the_plugin_of_another_simulator() -> None:
+    file = SRC / "urdf/a.xacro"
+    plugin = PLUGIN_OF_OTHER_SIMULATOR.at(file, 9, message="...")
+    hardware = UNSUITED_HARDWARE.at(file, 3, message="...")
+    assert fold_not_installed([hardware, plugin], FOLDERS) == (plugin,)
+    assert fold_not_installed([hardware], FOLDERS) == (hardware,)

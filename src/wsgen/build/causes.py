@@ -374,6 +374,7 @@ def late_command(failure: Failure) -> Iterator[Diagnostic]:
 
 CMAKE_CAUSES = (
     unparsed,
+    unclosed_variable,
     unclosed_block,
     syntax,
     unknown_command,  # before the next: the unknown command may be a misspelled minimum

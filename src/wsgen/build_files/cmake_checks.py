@@ -638,9 +638,13 @@ def without_ament(reader: Reader) -> Iterator[Diagnostic]:
     first = calls[0]
     for command, mentions in reader.mentions.items():
         for one in mentions:
-            if one.order < first.order and (
-                command in {"include", "add_subdirectory"}
-                or (command == "find_package" and not _defines_nothing(texts(one)))
+            if (
+                one.order < first.order
+                and not one.in_tests
+                and (
+                    command in {"include", "add_subdirectory"}
+                    or (command == "find_package" and not _defines_nothing(texts(one)))
+                )
             ):
                 return
     message, hint = word_unknown_command("ament_package", reader.functions)

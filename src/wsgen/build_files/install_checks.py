@@ -341,7 +341,7 @@ def word_missing_path(  # noqa: PLR0913, PLR0917  the name, and where it is writ
         line,
         package,
         message=f"{package}: {command}() names the {kind} {name}, which does not exist.",
-        hint="Remove the comma: CMake separates arguments by blanks."
+        hint=f"{did_you_mean(path.name.rstrip(','))} CMake separates arguments by blanks alone."
         if name.endswith(",")
         else f"{ask_for_nearest(path.name, beside)}Create it, or remove it from {command}()."
         f"{GIT_KEEPS_NO_EMPTY_FOLDERS if kind == 'folder' else ''}",

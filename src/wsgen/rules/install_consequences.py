@@ -26,6 +26,8 @@ from wsgen.diagnostics import Severity
 from wsgen.launch.explain_missing import EXECUTABLE_NOT_FOUND, PACKAGE_NOT_FOUND, XACRO_FAILS
 from wsgen.launch.undeclared import UNDECLARED_PACKAGE
 from wsgen.rules.package_uses import UNDECLARED_DEPENDENCY
+from wsgen.rules.plugins import PLUGIN_OF_OTHER_SIMULATOR
+from wsgen.rules.ros2_control import UNSUITED_HARDWARE
 from wsgen.suggestions import suggested
 from wsgen.values import lazy_pattern
 from wsgen.xacro.reader import XACRO_FILE_FAILS
@@ -89,6 +91,7 @@ def _without_echoes(diagnostics: Sequence[Diagnostic]) -> Iterator[Diagnostic]:
     }
     unnamed = {one.reason for one in diagnostics if one.code == DIFFERENT_NAMES.code and one.reason}
     of_launch = {(one.file, one.line) for one in diagnostics if one.code in _OF_LAUNCH}
+    of_others = {one.file for one in diagnostics if one.code == PLUGIN_OF_OTHER_SIMULATOR.code}
     for one in diagnostics:
         if (
             (one.code == FOLDER_NOT_INSTALLED.code and (one.file, one.element) in meant)
@@ -97,6 +100,8 @@ def _without_echoes(diagnostics: Sequence[Diagnostic]) -> Iterator[Diagnostic]:
             or (one.code in _OF_NAMES and not unnamed.isdisjoint(_WORD.findall(one.message)))
             # Of what a launch file expands, both say the same.
             or (one.code == XACRO_FILE_FAILS.code and (one.file, one.line) in of_launch)
+            # It is compared with a plugin that is wrong itself.
+            or (one.code == UNSUITED_HARDWARE.code and one.file in of_others)
         ):
             continue
         yield one
