@@ -1631,8 +1631,8 @@ OTHERS: dict[str, Plant] = {
             ),
         ),
         files={
-            "rviz/robot.rviz": "Panels: []\n",
-            "CMakeLists.txt": cmake("launch urdf worlds"),
+            "rviz/other.rviz": "Panels: []\n",
+            "CMakeLists.txt": cmake("launch urdf worlds rviz"),
         },
         is_good_code=False,
     ),

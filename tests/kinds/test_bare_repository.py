@@ -34,7 +34,7 @@ def test_built_in_place(clone: KindOfWorkspace) -> None:
     (clone.root / "install/sled/share/ament_index/resource_index/packages/sled").unlink()
     answer = clone.wsgen("validate", "--format", "json")
     (package,) = answer.document["packages"]
-    assert (answer.code, [found["code"] for found in package["diagnostics"]]) == (0, ["PKG065"])
+    assert (answer.code, [found["code"] for found in package["diagnostics"]]) == (1, ["PKG065"])
 
 
 def test_the_files_of_its_robot(clone: KindOfWorkspace) -> None:
