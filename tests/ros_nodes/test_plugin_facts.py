@@ -391,6 +391,12 @@ def test_plugins_with_a_joint_that_is_not_there(name: str) -> None:
     assert bool(found) >= goes_on
 
 
+def test_an_empty_parameter_in_the_name_of_a_topic_is_named() -> None:
+    content = "<joint_name></joint_name><joint_name>rear_left</joint_name>"
+    _, (warning,) = started("joint-controller", content)
+    assert "`/model/{model}/joint/{joint_name}/cmd_vel` is empty" in warning
+
+
 def test_all_plugins_with_joints_are_among_them() -> None:
     assert WITHOUT_A_JOINT.keys() == {name for name in OF_ROBOTS if PLUGINS[name].joints}
     assert all(stem(filename_of(name)) == name for name in (*OF_ROBOTS, *WORLD_PLUGINS))

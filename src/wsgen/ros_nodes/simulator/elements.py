@@ -30,14 +30,18 @@ def topics_of(host: Host, robot: RobotHandle | None, element: Element) -> dict[s
     """The names of the topics that a plugin has, by what they are for.
 
     Raises:
-        CannotWorkError: A truth value that decides on them is none.
+        CannotWorkError: A truth value that decides on them is none, or what names one is empty.
     """
     facts = facts_of(element)
     for name in {name for topic in facts.topics.values() for name in topic.deciding}:
         boolean(element, name)
     names = {"model": robot.entity if robot is not None else None, "world": host.world}
-    found = facts.topic_names(element.get, names)
-    return {use: name for use, _, name in found if name is not None}
+    named = {}
+    for use, topic, called in facts.topic_names(element.get, names):
+        if called is None:
+            raise CannotWorkError(f"a parameter in the name of its topic `{topic.name}` is empty.")
+        named[use] = called
+    return named
 
 
 def text(element: Element, name: str, robot: RobotHandle) -> str:
