@@ -55,7 +55,7 @@ WORLD = (
     "<sdf version='1.6'><world name='w'><include><uri>model://ground_plane</uri></include>"
     "</world></sdf>"
 )
-CLASSIC = World(name="w", has_ground_plane=True, simulator="classic")
+CLASSIC = World(name="w", has_ground_plane=True, simulator="classic", ground_friction=100.0)
 # s, m/s, rad/s; the first second is for coming to rest.
 PLAN = ((1, 0, 0), (4, 0.5, 0), (1, 0, 0), (3, 0, 1.0), (1, 0, 0), (4, 0.3, 0.5), (1, 0, 0))
 OWN = "with Gazebo's plugin"

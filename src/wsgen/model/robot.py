@@ -151,7 +151,7 @@ class Surface:
 
     mu1: float = 1.0  # Coulomb friction coefficient, first direction
     mu2: float = 1.0  # second direction
-    fdir1: Vector | None = None  # the first direction; None: `mu1` counts in all directions
+    fdir1: Vector | None = None  # the first direction; None: that of y of the world, on level ground
     fdir1_in: str | None = None  # the link that it turns with; None: that of the collision
     kp: float | None = None  # N/m, contact stiffness
     kd: float | None = None  # N s/m, contact damping
@@ -161,7 +161,12 @@ class Surface:
     @property
     def grip(self) -> float:
         """The friction coefficient, in the direction in which it is larger."""
-        return self.mu1 if self.fdir1 is None else max(self.mu1, self.mu2)
+        return max(self.mu1, self.mu2)
+
+    @property
+    def along_world(self) -> tuple[float, float]:
+        """The coefficients along y and x of the world, on level ground; of `fdir1`, `mu1` twice."""
+        return self.mu1, self.mu2 if self.fdir1 is None else self.mu1
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -159,7 +159,8 @@ class BulletEngine:
         self._triangles: set[int] = set()  # bodies that collide as the triangles of their meshes
         self._has_stepped = False  # since something was placed
         self._ground_friction: float | None = None  # None: there is no ground
-        self._grounds: dict[float, int] = {}  # alike but for their friction; see `stand_on`
+        # Alike but for their friction along y and x; see `stand_on`.
+        self._grounds: dict[tuple[float, float], int] = {}
         self._plumb: int | None = None
         self._separating = True  # there may be overlaps: something is new where it is
         self.client.setGravity(*world.gravity)
@@ -176,7 +177,7 @@ class BulletEngine:
         )
         if world.has_ground_plane:
             self._ground_friction = world.ground_friction
-            self._ground_of(min(1.0, world.ground_friction))
+            self._ground_of((min(1.0, world.ground_friction),) * 2)
             self._plumb = self._add_plumb()
 
     def _put_on_ground(self, entity: str) -> None:
@@ -191,10 +192,15 @@ class BulletEngine:
         for body in (body for one in entities for body, _ in self._bodies[one]):
             body.stand_on(self._grounds, self._ground_friction)
 
-    def _ground_of(self, friction: float) -> None:
+    def _ground_of(self, friction: tuple[float, float]) -> None:
         if friction not in self._grounds:
             ground = load(self.client, GROUND, Pose(xyz=(0.0, 0.0, -GROUND_SIZE[2] / 2)))
-            self.client.changeDynamics(ground, ROOT, lateralFriction=friction)
+            along_y, along_x = friction
+            most = max(friction)
+            self.client.changeDynamics(ground, ROOT, lateralFriction=most)
+            if along_y != along_x:
+                shares = (along_x / most, along_y / most, 1.0)
+                self.client.changeDynamics(ground, ROOT, anisotropicFriction=shares)
             self._grounds[friction] = ground
 
     def _add_plumb(self) -> int:

@@ -235,15 +235,21 @@ def set_links(client: Client, body: int, parts: Robot, index_of: Mapping[str, in
     )
     for part in parts.links:
         index = index_of[part.name]
-        frictions = (shape.surface.mu1 for shape in part.collisions)
         client.changeDynamics(
             body,
             index,
-            lateralFriction=min((OWN_FRICTION, *frictions)),
+            lateralFriction=min(OWN_FRICTION, max(_friction_of(part))),
             rollingFriction=0.0
             if parts.is_static
             else ROLLING_RESISTANCE * _radius(client, body, index, part),
         )
+
+
+def _friction_of(part: Link) -> tuple[float, float]:
+    """The coefficients of a part along y and along x of the world; of several, the least."""
+    ways = zip(*(shape.surface.along_world for shape in part.collisions), strict=True)
+    along_y, along_x = (min(one) for one in ways) if part.collisions else (OWN_FRICTION,) * 2
+    return along_y, along_x
 
 
 def _radius(client: Client, body: int, index: int, part: Link) -> float:
@@ -412,16 +418,22 @@ class BulletBody:
         """A mesh file that PyBullet left out without an error."""
         return unread_mesh(self._client, self.number, self._parts, self._index_of)
 
-    def grounds_below(self, friction: float) -> dict[str, float]:
-        """The friction of the ground for each part to feel one of this friction, by its name."""
+    def grounds_below(self, friction: float) -> dict[str, tuple[float, float]]:
+        """The friction of the ground for each part to feel one of this friction, by its name.
+
+        Along y and along x of the world, in which the friction of a ground may differ.
+        """
         below = {}
         for part in self._parts.links:
-            mu = min((shape.surface.mu1 for shape in part.collisions), default=OWN_FRICTION)
-            own = min(OWN_FRICTION, mu)
-            below[part.name] = min(mu, friction) / own if own > 0.0 else min(1.0, friction)
+            along_y, along_x = _friction_of(part)
+            own = min(OWN_FRICTION, max(along_y, along_x))
+            if own > 0.0:
+                below[part.name] = min(along_y, friction) / own, min(along_x, friction) / own
+            else:
+                below[part.name] = (min(1.0, friction),) * 2
         return below
 
-    def stand_on(self, grounds: Mapping[float, int], friction: float) -> None:
+    def stand_on(self, grounds: Mapping[tuple[float, float], int], friction: float) -> None:
         """Let each part touch one of the grounds alone, so that it feels one of this friction.
 
         Gazebo takes the smaller friction of two that touch each other, PyBullet the product. Two

@@ -304,11 +304,11 @@ def _part_of(link: Link, name: str, numbers: Iterable[int]) -> tuple[Link, Joint
     return part, Joint(name=name, type=JointType.FIXED, parent=link.name, child=name)
 
 
-def _by_friction(link: Link) -> dict[float, list[int]]:
+def _by_friction(link: Link) -> dict[tuple[float, float], list[int]]:
     """The numbers of the collisions of each friction."""
-    groups: dict[float, list[int]] = {}
+    groups: dict[tuple[float, float], list[int]] = {}
     for number, collision in enumerate(link.collisions):
-        groups.setdefault(collision.surface.mu1, []).append(number)
+        groups.setdefault(collision.surface.along_world, []).append(number)
     return groups
 
 
