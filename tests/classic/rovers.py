@@ -25,6 +25,7 @@ class Rover(NamedTuple):
     axles: tuple[float, ...] = (0.0,)
     has_balls: bool = False  # for wheels
     direction: str = ""  # of friction, <fdir1>
+    push: float = 5.0  # m/s², that each wheel's motor could give the box
 
     @property
     def height(self) -> float:
@@ -33,7 +34,7 @@ class Rover(NamedTuple):
 
     @property
     def drive(self) -> DiffDrive:
-        """As a plugin for Gazebo Classic has it; both wheels push as hard as it weighs."""
+        """As a plugin for Gazebo Classic has it."""
         radius = 0.2 * self.size
         return DiffDrive(
             simulator="classic",
@@ -46,7 +47,7 @@ class Rover(NamedTuple):
                 )
                 for number in range(len(self.axles))
             ),
-            torque=5 * self.mass * radius,
+            torque=self.push * self.mass * radius,
             rim=Bounds(braking=-ACCELERATION, acceleration=ACCELERATION),
         )
 
@@ -118,6 +119,7 @@ ROVERS = {
     "wheels of little friction": Rover(grip=0.3),
     "wheels of much friction": Rover(grip=100.0),
     "four wheels": FOUR,
+    "four strong wheels": FOUR._replace(push=50.0),
     "four wheels of little friction": FOUR._replace(grip=0.3),
     "four wheels with a direction": FOUR._replace(direction="1 0 0"),
 }

@@ -42,19 +42,35 @@ if TYPE_CHECKING:
 RECORDED = Path(__file__).with_name("recorded") / "drives.json"
 GOLDEN = Path(__file__).parents[1] / "golden"
 TEMPLATES = ("diff_drive", "wanderer")
-DIRECTED = "four wheels with a direction"  # which MuJoCo alone has of friction
-# A few in MuJoCo, and in DART, which is not Gazebo Classic's.
-RUNS = [
-    *((name, "bullet") for name in ("diff_drive", *ROVERS) if name != DIRECTED),
-    *((name, "mujoco") for name in ("diff_drive", "two casters", "wide wheels", DIRECTED)),
-    *((name, "dart") for name in ("diff_drive", "wide wheels")),
-]
 pytestmark = [pytest.mark.oracle, pytest.mark.slow]
 LIVE = ("diff_drive", "wide wheels")  # asked in each run of the tests
 WORLD = (
-    "<sdf version='1.6'><world name='w'><include><uri>model://ground_plane</uri></include>"
+    "<sdf version='1.6'><world name='w'>{}<include><uri>model://ground_plane</uri></include>"
     "</world></sdf>"
 )
+# Fifty iterations, ODE's default, do not solve what is between skidding wheels and the ground.
+ITERATED = "<physics type='ode'><ode><solver><iters>1000</iters></solver></ode></physics>"
+SOLVED = ", solved"
+WEAK, STRONG = "four wheels", "four strong wheels"
+# Its friction turns with the wheels in Gazebo Classic, out of the ground; MuJoCo projects it.
+DIRECTED = "four wheels with a direction"
+SKIDS = STRONG + SOLVED
+# A few in MuJoCo, and in DART, which is not Gazebo Classic's.
+RUNS = [
+    *(
+        (one, "bullet")
+        for one in ("diff_drive", *ROVERS, SKIDS)
+        if one not in {DIRECTED, STRONG, WEAK}
+    ),
+    *((one, "mujoco") for one in ("diff_drive", "two casters", "wide wheels", SKIDS)),
+    *((one, "dart") for one in ("diff_drive", "wide wheels", SKIDS)),
+]
+# Those that differ least from the others; each takes three seconds.
+MORE = {
+    *((one, "bullet") for one in ("smooth caster", "thin wheels", "balls for wheels", "heavy")),
+    *((one, "bullet") for one in ("wheels of little friction", "wheels of much friction")),
+    ("wide wheels", "mujoco"),
+}
 CLASSIC = World(name="w", has_ground_plane=True, simulator="classic", ground_friction=100.0)
 # s, m/s, rad/s; the first second is for coming to rest.
 PLAN = ((1, 0, 0), (4, 0.5, 0), (1, 0, 0), (3, 0, 1.0), (1, 0, 0), (4, 0.3, 0.5), (1, 0, 0))
@@ -66,11 +82,11 @@ LEFT = {
     ("diff_drive", "dart"): 0.025,
     ("smooth caster", ""): 0.04,
     ("wide wheels", "dart"): 0.4,
-    # More than three points carry it, and it turns less far in Gazebo Classic: we do not know why.
+    # More than three points carry it, on which ODE spreads the weight in another way.
     ("two casters", ""): 0.25,
-    # Skidding: ODE's friction is another one.
-    ("four wheels", ""): 0.6,
-    ("four wheels of little friction", ""): 0.12,
+    # In the curve; on the spot it turns as far, within 1 %.
+    (SKIDS, ""): 0.09,
+    ("four wheels of little friction", ""): 0.05,
     # Where wheels slip for a moment when the motion changes.
     ("light", ""): 0.06,
     ("wheels of little friction", ""): 0.05,
@@ -128,9 +144,9 @@ def driven(
 
 def ask(name: str, folder: Path) -> Places:
     """Where Gazebo Classic's motors drive it."""
-    one = subject(name, folder)
+    one = subject(name.removesuffix(SOLVED), folder)
     world, file = folder / "w.world", folder / "r.urdf"
-    world.write_text(WORLD)
+    world.write_text(WORLD.format(ITERATED if name.endswith(SOLVED) else ""))
     # Sensors are no matter here, and take time.
     file.write_text(re.sub(r"<sensor.*?</sensor>", "", one.urdf, flags=re.DOTALL))
     with GazeboClassic(world) as gazebo:
@@ -190,7 +206,7 @@ def ask_own(folder: Path) -> Places:
     """Where Gazebo's own plugin drives the template."""
     one = subject("diff_drive", folder)
     world, file = folder / "w.world", folder / "r.urdf"
-    world.write_text(WORLD)
+    world.write_text(WORLD.format(""))
     (pair,) = one.drive.pairs
     own = (
         "<gazebo><plugin name='own' filename='libDiffDrivePlugin.so'>"
@@ -226,7 +242,7 @@ def recorded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
     return recorded_in(
         RECORDED,
         request,
-        (*TEMPLATES, *ROVERS, OWN),
+        (*TEMPLATES, *ROVERS, SKIDS, OWN),
         lambda name: ask_own(folder) if name == OWN else ask(name, folder),
     )
 
@@ -246,11 +262,14 @@ def test_the_templates_drive_alike(recorded: Any) -> None:
 
 @pytest.mark.parametrize(("name", "engine_name"), RUNS)
 def test_robots_go_where_they_go_in_gazebo_classic(
-    name: str, engine_name: str, recorded: Any, tmp_path: Path
+    name: str, engine_name: str, recorded: Any, tmp_path: Path, *, thorough: bool
 ) -> None:
+    if (name, engine_name) in MORE and not thorough:
+        pytest.skip("with --thorough alone")
     if missing_engines([engine_name]):
         pytest.skip(f"{MODULES[engine_name]} is not installed")
-    ours, real = simulated(engine_name, subject(name, tmp_path)), recorded[name]
+    one, real = subject(name.removesuffix(SOLVED), tmp_path), recorded[name]
+    ours = simulated(engine_name, one)
     ahead, turn, curve = (shares(way(ours, one), way(real, one)) for one in (AHEAD, TURN, CURVE))
     bound = LEFT.get((name, ""), LEFT.get((name, engine_name), SAME))
     assert ahead[0] < SAME
@@ -261,6 +280,12 @@ def shares(ours: tuple[float, float], real: tuple[float, float]) -> tuple[float,
     """By which shares of the real ones a way and a turn differ."""
     first, second = (abs(one / other - 1) for one, other in zip(ours, real, strict=True))
     return first, second
+
+
+def test_fifty_iterations_do_not_solve_skidding(recorded: Any) -> None:
+    """Wheels lag behind their motors, the more so the weaker these are."""
+    weak, strong, solved = (way(recorded[one], TURN)[1] for one in (WEAK, STRONG, SKIDS))
+    assert weak < 0.8 * strong < 0.7 * solved
 
 
 def test_gazebos_own_plugin_drives_as_far(recorded: Any) -> None:

@@ -77,7 +77,7 @@ DIFFERENT = {
     "allegro_left_hand": (ENGINES, EXPLICIT),
     "icub": (ENGINES, EXPLICIT),
     "tiago_pro": (ENGINES, "its arms are still falling"),
-    "anymal_b": (["bullet", "dart"], FALLEN),
+    "anymal_b": (ENGINES, FALLEN),
     "borinot_flying_arm_2": (["bullet", "dart"], FALLEN),
     "upkie": (["dart"], FALLEN),
     "cart, two wheels and a low caster": (["dart"], "it rocks onto its other edge"),

@@ -21,11 +21,12 @@ RECORDED = Path(__file__).with_name("recorded") / "surfaces.json"
 LIVE = ("mu 0.5 on 100, 45 degrees",)
 
 # What does not move as there, in these engines, and why.
-TWO_WAYS = "Classic takes mu along y of the world and mu2 along x; wsgen mu in all directions"
+ONE_WAY = "dartpy has one coefficient for all directions"
 NO_DIRECTION = "<fdir1> is known in MuJoCo alone"
 DIFFERENT = {
-    "mu 0.5, mu2 0.1, down along 0 degrees": (TWO_WAYS, ENGINES),
-    "mu 0.5, mu2 0.1, down along 45 degrees": (TWO_WAYS, ENGINES),
+    "mu 0.1 alone, down along 0 degrees": (ONE_WAY, ("dart",)),
+    "mu 0.5, mu2 0.1, down along 0 degrees": (ONE_WAY, ("dart",)),
+    "mu 0.5, mu2 0.1, down along 45 degrees": (ONE_WAY, ("dart",)),
     "fdir1, mu 0.5, mu2 0.1, down along 90 degrees": (NO_DIRECTION, ("bullet", "dart")),
     "rests on a soft surface": ("kp and kd are not simulated: it sinks there", ENGINES),
     "5 mm deep": ("DART pushes it out more slowly", ("dart",)),

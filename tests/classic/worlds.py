@@ -71,6 +71,13 @@ SURFACES = {
     },
     "mu 3 on the default, 60 degrees": Body(surface=friction(3), ground=None, gravity=down(60)),
     **{
+        f"mu 0.1 alone, down along {heading} degrees": Body(
+            surface="<friction><ode><mu>0.1</mu></ode></friction>", gravity=down(40, heading)
+        )
+        for heading in (0, 90)
+    },
+    "mu 0.5 down along 45 degrees": Body(surface=friction(0.5), gravity=down(40, 45)),
+    **{
         f"mu 0.5, mu2 0.1, down along {heading} degrees": Body(
             surface=friction(0.5, 0.1), gravity=down(40, heading)
         )

@@ -555,7 +555,7 @@ def with_friction(wheels: Surface, caster: float) -> Any:
     return replace(
         ROVER,
         links=(
-            replace(base, collisions=(box, replace(ball, surface=Surface(mu1=caster)))),
+            replace(base, collisions=(box, replace(ball, surface=Surface(mu1=caster, mu2=caster)))),
             *(
                 replace(link, collisions=(replace(link.collisions[0], surface=wheels),))
                 for link in others
@@ -568,8 +568,16 @@ def with_friction(wheels: Surface, caster: float) -> Any:
 @pytest.mark.parametrize(
     ("wheels", "caster", "causes"),
     [
-        (Surface(mu1=0.05), 0.0, {"wheels is 0.05: give wheels <mu1> and <mu2> of 1. Or some"}),
-        (Surface(mu1=0.05), 1.0, {"wheels is 0.05: give wheels", "casters of 0.001. Or some"}),
+        (
+            Surface(mu1=0.05, mu2=0.05),
+            0.0,
+            {"wheels is 0.05: give wheels <mu1> and <mu2> of 1. Or"},
+        ),
+        (
+            Surface(mu1=0.05, mu2=0.05),
+            1.0,
+            {"wheels is 0.05: give wheels", "casters of 0.001. Or some"},
+        ),
         (Surface(), 1.0, {"What drags over the ground", "give casters <mu1> and <mu2> of 0.001"}),
         # Its box has friction, and does not reach the ground.
         (Surface(), 0.0, {"Little of its weight is on these wheels"}),

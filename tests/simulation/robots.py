@@ -73,7 +73,7 @@ def body(
 
 
 def shape(geometry: Geometry, *, mu: float = 1.0, at: Pose = IDENTITY) -> Collision:
-    return Collision(geometry=geometry, pose_in_link=at, surface=Surface(mu1=mu))
+    return Collision(geometry=geometry, pose_in_link=at, surface=Surface(mu1=mu, mu2=mu))
 
 
 def single(link: Link) -> Robot:

@@ -200,7 +200,7 @@ def test_the_link_of_a_slippery_part_is_reported(new_engine: NewEngine) -> None:
     robot = two_in_one(0.05, collide=True)
     cube = robot.links[1].collisions[0]
     far = replace(cube, pose_in_link=Pose((5.0, 0.0, 0.0)))
-    slippery = replace(cube, surface=replace(cube.surface, mu1=0.1))
+    slippery = replace(cube, surface=replace(cube.surface, mu1=0.1, mu2=0.1))
     links = (robot.links[0], replace(robot.links[1], collisions=(far, slippery)), robot.links[2])
     with spawned(new_engine, replace(robot, links=links)) as engine:
         assert set(pairs(engine)) == {frozenset((("e", "a"), ("e", "b")))}

@@ -100,9 +100,14 @@ def test_the_direction_is_that_of_the_collision() -> None:
     assert (x, y) == pytest.approx(along, rel=0.02, abs=0.002)
 
 
-def test_without_a_direction_the_first_coefficient_counts_for_all() -> None:
-    x, y, _ = after(slab(Surface(mu1=1.0, mu2=0.0)), Pose((0.0, 0.0, 0.05)))
-    assert (x, y) == pytest.approx((0.0, 0.0), abs=0.002)
+@pytest.mark.parametrize("turned", [0.0, TURNED])
+def test_without_a_direction_the_first_is_y_of_the_world(turned: float) -> None:
+    """Gravity is along x."""
+    pose = Pose((0.0, 0.0, 0.05), (0.0, 0.0, turned))
+    along_x, _, _ = after(slab(Surface(mu1=1.0, mu2=0.0)), pose, steps=1000)
+    held, _, _ = after(slab(Surface(mu1=0.0, mu2=1.0)), pose, steps=1000)
+    assert along_x == pytest.approx(0.5 * 2.0, rel=0.02)
+    assert held == pytest.approx(0.0, abs=0.002)
 
 
 @pytest.mark.parametrize(

@@ -61,7 +61,7 @@ def test_a_contact_has_the_smaller_friction() -> None:
     made = apply(blueprint(prepared(robot)), {"world.friction": 0.6})
     (link,) = made.prepared[0].lumped.links
     assert [one.surface.mu1 for one in link.collisions] == [0.4, 0.6]
-    assert [one.surface.mu2 for one in link.collisions] == [0.6, 0.6]
+    assert [one.surface.mu2 for one in link.collisions] == [0.4, 0.6]
     both = apply(blueprint(), {"world.friction": 0.6, "robot.friction_scale": 0.5})
     assert plate_of(both)[2:] == (0.5, 0.5)
 

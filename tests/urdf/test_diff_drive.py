@@ -61,7 +61,7 @@ def test_the_friction_of_its_wheels_is_the_least(file: str) -> None:
         replace(
             link,
             collisions=tuple(
-                Collision(geometry=Sphere(radius=0.1), surface=Surface(mu1=mu))
+                Collision(geometry=Sphere(radius=0.1), surface=Surface(mu1=mu, mu2=mu))
                 for mu in frictions.get(link.name, ())
             ),
         )

@@ -151,7 +151,7 @@ class Surface:
 
     mu1: float = 1.0  # Coulomb friction coefficient, first direction
     mu2: float = 1.0  # second direction
-    fdir1: Vector | None = None  # the first direction; None: that of y of the world, on level ground
+    fdir1: Vector | None = None  # the first direction; None: on level ground, y of the world
     fdir1_in: str | None = None  # the link that it turns with; None: that of the collision
     kp: float | None = None  # N/m, contact stiffness
     kd: float | None = None  # N s/m, contact damping

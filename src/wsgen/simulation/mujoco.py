@@ -40,7 +40,7 @@ from wsgen.simulation.mujoco_body import (
     solver,
     surface,
 )
-from wsgen.simulation.mujoco_friction import DirectedFriction
+from wsgen.simulation.mujoco_friction import TwoWayFriction
 from wsgen.simulation.mujoco_triangles import LOOK_EVERY, StaticTriangles
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ class MujocoEngine:
         option.gravity = world.gravity
         option.tolerance = TOLERANCE
         option.ccd_tolerance = TOUCH_TOLERANCE
-        option.cone = library.mjtCone.mjCONE_ELLIPTIC
+        option.cone = library.mjtCone.mjCONE_PYRAMIDAL
         option.integrator = library.mjtIntegrator.mjINT_IMPLICITFAST
         disabled = library.mjtDisableBit
         # A state that is not finite is to be seen. MuJoCo 3.9 finds no islands among triangles.
@@ -109,7 +109,7 @@ class MujocoEngine:
             )
         self._model = self._spec.compile()
         self._data = library.MjData(self._model)
-        self._directed = DirectedFriction(self._model, ())
+        self._friction = TwoWayFriction(self._model, ())
 
     def spawn(self, robot: SpawnedRobot) -> Loaded | Refused:
         """Put a robot into the world, at rest, its joints passive."""
@@ -170,7 +170,7 @@ class MujocoEngine:
                 geom = shape.geom
                 bits = geom.conaffinity & ~GROUND_BIT if is_below else geom.conaffinity
                 self._model.geom_conaffinity[geom.id] = bits
-        self._directed = DirectedFriction(self._model, self._robots.values())
+        self._friction = TwoWayFriction(self._model, self._robots.values())
 
     def _set_motors(self) -> None:
         losses, speeds = self._model.dof_frictionloss, np.zeros(self._model.nv)
@@ -313,8 +313,7 @@ class MujocoEngine:
                 self._bound_separation()
             for _ in range(now):
                 library.mj_step1(self._model, self._data)
-                if self._directed:
-                    self._directed.turn(self._model, self._data)
+                self._friction.turn(self._model, self._data)
                 self._correct()
                 library.mj_step2(self._model, self._data)
             steps -= now
@@ -359,24 +358,22 @@ class MujocoEngine:
 
         What is driven aims at the speed of its motor: the first constraints are friction in joints.
 
-        The last are contacts, of three numbers each: away from what is touched, and two along it.
-        To MuJoCo's solver it is as good to leave a contact, as fast as friction would brake, as to
-        brake: what slides hops. With so much less of an aim to leave, it slides. That is too much
-        by what it gains in speed: casters would carry the load of wheels that spin, and mecanum
-        wheels that roll that of those that slide. How much that was is known of the last step.
+        The last are contacts, of four numbers each: along the edges of a pyramid, two and two of
+        which are opposite to each other. To MuJoCo's solver it is as good to leave a contact, as
+        fast as friction would brake, as to brake: what slides hops. With so much less of an aim to
+        leave, it slides. That is too much by what it gains in speed: casters would carry the load
+        of wheels that spin, and mecanum wheels that roll that of those that slide. How much that
+        was is known of the last step.
         """
         data, speeds = self._data, self._speeds
         if len(speeds):
             data.efc_aref[: len(speeds)] += data.efc_KBIP[: len(speeds), 1] * speeds
         if data.ncon:
-            aims = data.efc_aref[data.ne + data.nf + data.nl :].reshape(-1, 3)
-            frictions = data.contact.friction[:, :2]
-            if len(frictions) > len(aims):  # some do not touch
-                frictions = frictions[data.contact.efc_address >= 0]
+            aims = data.efc_aref[data.ne + data.nf + data.nl :].reshape(-1, 4)
             gained = np.zeros(len(data.efc_aref))
             library.mj_mulJacVec(self._model, data, gained, data.qacc_warmstart)
-            slips = aims[:, 1:] - gained[data.ne + data.nf + data.nl :].reshape(-1, 3)[:, 1:]
-            aims[:, 0] -= np.hypot(*(frictions * slips).T)
+            slips = aims - gained[data.ne + data.nf + data.nl :].reshape(-1, 4)
+            aims -= np.abs(slips[:, ::2] - slips[:, 1::2]).max(axis=1, keepdims=True) / 2
 
     def _surround(self) -> None:
         """Have the static triangles in the model that are near what moves."""

@@ -1,10 +1,13 @@
-"""Friction that has a direction, in MuJoCo: of the rollers of mecanum wheels, by <fdir1>.
+"""Friction along two directions, each by itself, as in Gazebo: MuJoCo has it in all alike.
 
-What DART does with it in Gazebo, and MuJoCo has no setting for: the first direction is that of the
-shape, or of the link that it is expressed in, projected onto the surface that is touched. Of two
-shapes, the smaller coefficients count; of two directions, that of the shape with the smaller second
-coefficient. Sources: gazebosim/gz-physics, dartsim/src/SDFFeatures.cc; gazebo-forks/dart,
-dart/constraint/ContactConstraint.cpp.
+On level ground the directions are y and x of the world; what has <fdir1>, as the rollers of mecanum
+wheels, has that of the shape, or of the link that it is expressed in, projected onto the surface
+that is touched. Of two shapes, the smaller coefficients count; of two directions, that of the shape
+with the smaller second coefficient. Sources: gazebosim/gz-physics, dartsim/src/SDFFeatures.cc;
+gazebo-forks/dart, dart/constraint/ContactConstraint.cpp; ODE's dxJointContact.
+
+The forces of a contact are the sums of those along the four edges of a pyramid. MuJoCo's has its
+edges in the two directions; here they are between them, so that its faces are across.
 """
 
 from __future__ import annotations
@@ -28,8 +31,8 @@ PARALLEL = 1e-6  # the sine between a direction and a normal; then none is left 
 NEXT, LAST = [1, 2, 0], [2, 0, 1]
 
 
-class DirectedFriction:
-    """The shapes of a model whose friction has a direction."""
+class TwoWayFriction:
+    """The friction of the shapes of a model."""
 
     def __init__(self, model: Any, bodies: Iterable[MujocoBody]) -> None:
         self._directions = np.zeros((model.ngeom, 3))  # in the frame of a body; zero: none
@@ -38,10 +41,11 @@ class DirectedFriction:
         self._second = self._first.copy()
         for body in bodies:
             for shape in body.shapes:
-                surface = shape.collision.surface
+                surface, number = shape.collision.surface, shape.geom.id
+                self._second[number] = min(max(surface.mu2, LEAST), MOST_FRICTION)
                 if surface.fdir1 is None:
                     continue
-                number, link = shape.geom.id, surface.fdir1_in
+                link = surface.fdir1_in
                 if link is None or link not in body.bodies:  # Gazebo takes that of the shape, too
                     rotation = np.array(rotation_of_rpy(shape.collision.pose_in_link.rpy))
                     direction, link = rotation @ np.array(surface.fdir1), shape.link
@@ -49,18 +53,38 @@ class DirectedFriction:
                     direction = np.array(surface.fdir1)
                 self._directions[number] = direction / np.linalg.norm(direction)
                 self._bodies[number] = body.bodies[link].id
-                self._second[number] = min(max(surface.mu2, LEAST), MOST_FRICTION)
-        self._is_directed: NDArray[np.bool_] = (self._directions != 0.0).max(axis=1, initial=False)
-        self._has_some = bool(self._is_directed.any())
-
-    def __bool__(self) -> bool:
-        return self._has_some
+        is_directed: NDArray[np.bool_] = (self._directions != 0.0).max(axis=1, initial=False)
+        self._is_directed = is_directed
+        self._is_uneven = is_directed | (self._first != self._second)
+        self._has_some = bool(self._is_uneven.any())
 
     def turn(self, model: Any, data: Any) -> None:
-        """Turn the contacts of this step, and make its constraints again where any is turned."""
+        """Turn the pyramids of the contacts of this step, and make its constraints again."""
+        contacts = data.contact
+        frames, frictions = contacts.frame, contacts.friction
+        if not len(frames):
+            return
+        first = second = frictions[:, 0]
+        if self._has_some:
+            second = first.copy()
+            self._direct(data, second)
+        across, along = first[:, None] * frames[:, 3:6], second[:, None] * frames[:, 6:]
+        frames[:, 3:6], frames[:, 6:] = across + along, across - along
+        frictions[:, :2] = 1.0
+        library.mj_makeConstraint(model, data)
+        library.mj_referenceConstraint(model, data)
+
+    def _direct(self, data: Any, second: NDArray[np.float64]) -> None:
+        """Turn the frames of contacts with directions; set first and second coefficients."""
         geoms = data.contact.geom
         # A flex, which is no shape, has the number -1.
-        of_both = self._is_directed[geoms] & (geoms.min(axis=1, initial=0, keepdims=True) >= 0)
+        of_both = self._is_uneven[geoms] & (geoms.min(axis=1, keepdims=True) >= 0)
+        uneven = of_both.any(axis=1).nonzero()[0]
+        if not len(uneven):
+            return
+        data.contact.friction[uneven, 0] = self._first[geoms[uneven]].min(axis=1)
+        second[uneven] = self._second[geoms[uneven]].min(axis=1)
+        of_both &= self._is_directed[geoms]
         turned = of_both.any(axis=1).nonzero()[0]
         if not len(turned):
             return
@@ -75,15 +99,11 @@ class DirectedFriction:
         lengths = np.sqrt((across * across).sum(axis=1))
         is_there = lengths > PARALLEL
         if not is_there.all():
-            turned, geoms, normals = turned[is_there], geoms[is_there], normals[is_there]
+            turned, normals = turned[is_there], normals[is_there]
             across, lengths = across[is_there], lengths[is_there]
         across /= lengths[:, None]
         data.contact.frame[turned, 3:6] = _cross(across, normals)
         data.contact.frame[turned, 6:] = across
-        data.contact.friction[turned, 0] = self._first[geoms].min(axis=1)
-        data.contact.friction[turned, 1] = self._second[geoms].min(axis=1)
-        library.mj_makeConstraint(model, data)
-        library.mj_referenceConstraint(model, data)
 
 
 def _cross(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
