@@ -29,6 +29,7 @@ DIFFERENT = {
     "mu 0.5, mu2 0.1, down along 45 degrees": (ONE_WAY, ("dart",)),
     "fdir1, mu 0.5, mu2 0.1, down along 90 degrees": (NO_DIRECTION, ("bullet", "dart")),
     "rests on a soft surface": ("kp and kd are not simulated: it sinks there", ENGINES),
+    "falls, with velocity decay": ("its speed loses that share in each step there", ENGINES),
     "5 mm deep": ("DART pushes it out more slowly", ("dart",)),
     "5 mm deep, with min_depth": ("<min_depth> is not simulated", ENGINES),
 }

@@ -90,6 +90,12 @@ SURFACES = {
         for heading in (0, 90)
     },
     "falls 0.5 m": Body(SPHERE, height=0.6, seconds=0.5),
+    "falls, with velocity decay": Body(
+        SPHERE,
+        height=0.6,
+        seconds=0.4,
+        more="<velocity_decay><linear>0.01</linear></velocity_decay>",
+    ),
     "bounces, but not off the ground": Body(
         SPHERE,
         "<bounce><restitution_coefficient>0.5</restitution_coefficient>"

@@ -202,7 +202,8 @@ class Link:
     collisions: tuple[Collision, ...] = ()
     self_collide: bool = False
     gravity: bool = True
-    velocity_decay: float = 0.0  # 1/s, of linear and angular speed; only Gazebo Classic applies it
+    # The share of its speeds that it loses in each step; only Gazebo Classic applies it.
+    velocity_decay: float = 0.0
     is_as_meant: bool = True  # if not, a part of it was not understood, which has been reported
     has_error: bool = False  # one is reported; others may follow from it
     line: int | None = None  # of the element in the URDF text, 1-based
