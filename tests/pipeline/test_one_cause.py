@@ -124,7 +124,7 @@ def test_a_world_that_gazebo_is_not_given(tmp_path: Path) -> None:
         )
     ):
         found = report(tmp_path / str(number), {launch: (right, wrong)})
-        assert [one for one, _, _ in found] == [name]
+        assert [(one, severity) for one, severity, _ in found] == [(name, "error")]
 
 
 def test_a_spawner_of_controllers_that_humble_has_not(tmp_path: Path) -> None:

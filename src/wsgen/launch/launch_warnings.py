@@ -60,6 +60,7 @@ UNUSED_INCLUDE_ARGUMENT = Rule(
     code="LCH034",
     name="unused-include-argument",
     severity=Severity.WARNING,
+    severity_varies="an error where Gazebo then lacks a world that a robot needs",
     summary="An included launch file does not declare or read an argument that it is given.",
     why="`ros2 launch` ignores the argument without a message, so that a misspelled name goes "
     "unnoticed.",

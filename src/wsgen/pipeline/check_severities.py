@@ -505,9 +505,13 @@ def without_explained(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]
         if one.code == GLUED_ARGUMENTS.code
         or (one.code == UNUSED_INCLUDE_ARGUMENT.code and suggested(one.hint) in _OF_GAZEBO)
     }
+    lacking = {one.file for one in found if one.code == MISSING_SENSOR_SYSTEM.code}
     for one in found:
         is_option = one.code == INVALID_SPAWNER_OPTION.code
         is_of_world = one.code == MISSING_SENSOR_SYSTEM.code
+        if one.code == UNUSED_INCLUDE_ARGUMENT.code and one.file in lacking & without_world:
+            yield replace(one, severity=Severity.ERROR)  # what follows from it is one
+            continue
         if not (is_option and (one.file, one.line) in replaced) and not (
             is_of_world and one.file in without_world
         ):
