@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import click
 
@@ -124,15 +124,22 @@ seconds_option = click.option(
 )
 
 
-engine_option = click.option(
-    "--engine",
-    type=Choice(
-        ["bullet", "dart", "mujoco", "all"],
-        meant={"both": "all", "pybullet": "bullet", "dartsim": "dart"},
-    ),
-    help="Physics engine: PyBullet, DART (that of Gazebo Sim; pip install 'wsgen[dart]') or MuJoCo "
-    "(pip install 'wsgen[mujoco]'); `all` compares those that are installed.  "
-    "[default: bullet, or mujoco where PyBullet is not available]",
+def _engine_option(*more: str, explained: str = "") -> Callable[[Function], Function]:
+    meant = {"both": "all", "pybullet": "bullet", "dartsim": "dart"}
+    return click.option(
+        "--engine",
+        type=Choice(["bullet", "dart", "mujoco", *more, "all"], meant=meant),
+        help="Physics engine: PyBullet, DART (that of Gazebo Sim; pip install 'wsgen[dart]') or "
+        f"MuJoCo (pip install 'wsgen[mujoco]'); {explained}`all` compares those that are "
+        "installed.  [default: bullet, or mujoco where PyBullet is not available]",
+    )
+
+
+engine_option = _engine_option()
+engine_or_gazebo_option = _engine_option(
+    "gazebo",
+    explained="`gazebo` compares the default engine with the Gazebo on the PATH (gz sim, ign "
+    "gazebo or gzserver), ",
 )
 
 
@@ -214,7 +221,16 @@ def chosen_engines(engine: str | None) -> tuple[str, ...]:
     from wsgen.pipeline.engines import all_engines
     from wsgen.simulation.run import default_engine
 
-    return all_engines() if engine == "all" else (engine or default_engine(),)
+    if engine == "all":
+        return all_engines()
+    return (default_engine() if engine in {None, "gazebo"} else engine,)
+
+
+def chosen_gazebo(engine: str | None) -> Literal["no", "required", "if installed"]:
+    """Whether `engine_or_gazebo_option` has the Gazebo of this machine simulate."""
+    if engine == "gazebo":
+        return "required"
+    return "if installed" if engine == "all" else "no"
 
 
 def _set_color(ctx: click.Context, _parameter: click.Parameter, value: str) -> None:

@@ -14,7 +14,6 @@ import click
 from wsgen.cli.terminal import Branch, draw_table, draw_tree, fit_lines
 from wsgen.cli.words import short_name
 from wsgen.diagnostics import Severity, has_errors
-from wsgen.model.outcome import ENGINE_NAMES
 from wsgen.printable import clean_line
 from wsgen.report.launch_tree import cause_of, start_tree
 from wsgen.report.words import result_of, what_it_did, write_xyz
@@ -232,7 +231,7 @@ def _behaviors(package: PackageOutcome) -> list[str]:
     lines = []
     for robot in robots:
         prefix = f"{robot.entity}: " if len(robots) > 1 else ""
-        each = [(f", {ENGINE_NAMES[one.engine]}", one.behaviors) for one in robot.engines]
+        each = [(f", {one.name}", one.behaviors) for one in robot.engines]
         if len(each) <= 1:
             each = [("", robot.behaviors)]
         lines += [
@@ -300,7 +299,7 @@ def _in_engine(robot: RobotOutcome, one: EngineOutcome) -> tuple[str, ...]:
     rest = one.rest
     return (
         robot.entity,
-        ENGINE_NAMES[one.engine],
+        one.name,
         _mass(one.simulated),
         write_xyz(rest.pose_in_world.xyz) if rest else "-",
         f"{math.degrees(rest.tilt):.1f}" if rest else "-",

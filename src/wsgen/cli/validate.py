@@ -13,7 +13,8 @@ from wsgen.cli.options import (
     argument_option,
     chosen_answers,
     chosen_engines,
-    engine_option,
+    chosen_gazebo,
+    engine_or_gazebo_option,
     github_format_option,
     jobs_option,
     output_options,
@@ -66,7 +67,7 @@ MOST_SEARCHED = 100  # folders, for packages and files to suggest
 @argument_option
 @answer_option
 @seconds_option
-@engine_option
+@engine_or_gazebo_option
 @jobs_option(
     "Number of packages or files to process in parallel; for a single one, number of engines."
 )
@@ -133,6 +134,7 @@ def command(
         answers=chosen_answers(answers),
         seconds=seconds,
         engines=chosen_engines(engine),
+        gazebo=chosen_gazebo(engine),
         jobs=jobs,
         picture_folder=Path(picture) if picture else None,
         run_live=run_for_behaviors,
@@ -308,7 +310,10 @@ def _simulation_options(request: ValidateRequest) -> list[str]:
     words = []
     if request.seconds != ValidateRequest().seconds:
         words += ["--seconds", f"{request.seconds:g}"]
-    return [*words, *engine_words(request)]
+    return [
+        *words,
+        *(["--engine", "gazebo"] if request.gazebo == "required" else engine_words(request)),
+    ]
 
 
 def _as_colcon_says(

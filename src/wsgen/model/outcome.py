@@ -24,11 +24,14 @@ if TYPE_CHECKING:
 
 # The physics engines in the order of preference, with the names that their users know.
 ENGINE_NAMES = {"bullet": "PyBullet", "mujoco": "MuJoCo", "dart": "DART"}
+# The user's own Gazebo has results beside theirs, and is no engine that sweeps or live runs take.
+GAZEBO = "gazebo"
+RESULT_NAMES = {**ENGINE_NAMES, GAZEBO: "Gazebo"}
 
 
 def name_engines(engines: Iterable[str]) -> str:
     """The names of engines, as a sentence lists them."""
-    *names, last = [ENGINE_NAMES[engine] for engine in engines]
+    *names, last = [RESULT_NAMES[engine] for engine in engines]
     return f"{', '.join(names)} and {last}" if names else last
 
 
@@ -47,7 +50,7 @@ class Rest:
 class Simulated:
     """What the engine says it simulates."""
 
-    engine: str  # a key of `ENGINE_NAMES`
+    engine: str  # a key of `RESULT_NAMES`
     links: int
     movable_joints: int
     mass: float  # kg
@@ -57,7 +60,8 @@ class Simulated:
 class EngineOutcome:
     """How a robot did in one engine."""
 
-    engine: str  # a key of `ENGINE_NAMES`
+    engine: str  # a key of `RESULT_NAMES`
+    version: str = ""  # of the user's own Gazebo
     simulated: Simulated | None = None  # None: it was not simulated
     rest: Rest | None = None
     behaviors: tuple[BehaviorOutcome, ...] = ()  # what it must do beyond standing
@@ -65,6 +69,11 @@ class EngineOutcome:
     is_untried: bool = False  # only behaviors that cannot be simulated keep it from passing
     codes: frozenset[str] = frozenset()  # of the rules that are reported about it in this engine
     time_series: tuple[TimeSeries, ...] = ()  # standing, then its behaviors; if they are wanted
+
+    @property
+    def name(self) -> str:
+        """The engine's, for people."""
+        return f"{RESULT_NAMES[self.engine]} {self.version}".rstrip()
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -60,7 +60,10 @@ ENGINE_LEFT_OUT = Rule(
     code="SPN098",
     name="engine-left-out",
     severity=Severity.INFO,
-    summary="An engine is not installed; `--engine all` compares the other two.",
+    severity_varies="an error with `--engine gazebo`",
+    summary="An engine is not installed; `--engine all` compares the others.",
+    what="Also looks for the Gazebo that the launch file starts: with `--engine gazebo`, and with "
+    "`--engine all` where the other Gazebo is installed.",
     why="If two engines disagree, it is not known which one is right.",
     example="wsgen validate my_robot --engine all",
     instead="pip install 'wsgen[mujoco,dart]'\nwsgen validate my_robot --engine all",

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from wsgen.events import Listener
     from wsgen.isolation.parent import Run
     from wsgen.model.world import World
+    from wsgen.pipeline.real_gazebo import RealGazebo
     from wsgen.pipeline.requests import ValidateRequest
     from wsgen.workspace.overlay import Overlay
 
@@ -132,9 +133,14 @@ class FileValidation:
             # See `Validation._simulate`.
             from wsgen.pipeline.run_robots import simulate_robots  # noqa: PLC0415
 
-            with self.clock.step("simulate", name_some(prepared, self.request.engines)) as step:
+            with self.clock.step("simulate", name_some(prepared, self.request.all_engines)) as step:
                 simulated = simulate_robots(
-                    world, prepared, self.request, self.name, run=self.run_task
+                    world,
+                    prepared,
+                    self.request,
+                    self.name,
+                    run=self.run_task,
+                    gazebo=self._gazebo(world, prepared, context.folder),
                 )
                 step.succeeded = all(robot.passed for robot in simulated.robots)
                 simulated.report_drawing(step, self.request)
@@ -153,6 +159,33 @@ class FileValidation:
             video=simulated.video,
             view=simulated.view,
             seconds=self.clock.read(),
+        )
+
+    def _gazebo(
+        self, world: World, prepared: list[PreparedRobot], folder: Path
+    ) -> RealGazebo | None:
+        """The user's own Gazebo, for what the file has, if it is wanted."""
+        if self.request.gazebo == "no":
+            return None
+        from wsgen.pipeline.real_gazebo import (  # noqa: PLC0415  it is seldom wanted
+            RealGazebo,
+            packages_of_meshes,
+            with_folders,
+        )
+
+        # Nobody sets the search path of a file: what is found here, Gazebo is to find.
+        named = packages_of_meshes(robot.text for robot in prepared)
+        shares = (self.share_of(name) for name in named)
+        folders = [str(share.parent) for share in shares if share is not None]
+        place = folder / "gazebo"
+        place.mkdir()
+        return RealGazebo(
+            with_folders(self.overlay.environment, None, folders),
+            place,
+            self.run_task,
+            kind=None,
+            world=world.file,
+            is_required=self.request.gazebo == "required",
         )
 
     def read(self, context: PrepareContext) -> tuple[World | None, list[PreparedRobot]]:
@@ -228,6 +261,9 @@ class FileValidation:
         found = read_file(self.file, context, self.overlay.environment, content=content)
         self.sdf_files = found.files
         prepared, more = prepare_models(found, context)
+        if found.world is None:  # else they are in the world
+            spawned = _read_bytes(self.file)[0] if text is None else text
+            prepared = [replace(robot, text=spawned) for robot in prepared]
         self.diagnostics += (*found.diagnostics, *more)
         if not prepared and not has_errors(self.diagnostics):
             self.diagnostics.append(

@@ -68,6 +68,7 @@ if TYPE_CHECKING:
     from wsgen.pipeline.behavior_plan import BehaviorPlan
     from wsgen.pipeline.known_worlds import KnownWorlds
     from wsgen.pipeline.prepare import KnownRobots
+    from wsgen.pipeline.real_gazebo import RealGazebo
     from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
     from wsgen.pipeline.started import Started
     from wsgen.pipeline.world_systems import StartedWorld
@@ -410,6 +411,7 @@ class Validation:
                     replace(
                         model,
                         entity=spawn.entity or model.entity,
+                        text=spawn.description,
                         height=spawn.height,
                         on_the_ground=spawn.is_assumed,
                     )
@@ -601,7 +603,7 @@ class Validation:
             else replace(behavior_plan, live=live)
         )
         with (
-            self.clock.step("simulate", name_some(prepared, self.request.engines)) as step,
+            self.clock.step("simulate", name_some(prepared, self.request.all_engines)) as step,
             self.clock.watch(DRAW, progress),
         ):
             simulated = simulate_robots(
@@ -612,12 +614,32 @@ class Validation:
                 run=self.run_task,
                 behavior_plan=behavior_plan,
                 progress=progress,
+                gazebo=self._gazebo(folder),
             )
             step.succeeded = all(robot.passed for robot in simulated.robots)
             simulated.report_drawing(step, self.request)
         self.diagnostics = simulated.diagnostics_after(self.diagnostics)
         self.clock.take(simulated.seconds or {})
         return simulated
+
+    def _gazebo(self, folder: Path) -> RealGazebo | None:
+        """The user's own Gazebo, for what the launch file spawns, if it is wanted."""
+        if self.request.gazebo == "no" or self.started is None:
+            return None
+        from wsgen.pipeline.real_gazebo import RealGazebo  # noqa: PLC0415  it is seldom wanted
+        from wsgen.pipeline.search_path import environment_of_simulator  # noqa: PLC0415  as above
+
+        simulator = self.started.simulator
+        place = folder / "gazebo"
+        place.mkdir()
+        return RealGazebo(
+            environment_of_simulator(self.started, self.overlay),
+            place,
+            self.run_task,
+            kind=self.simulator_kind,
+            world=self.world_file or (simulator.world if simulator else None),
+            is_required=self.request.gazebo == "required",
+        )
 
 
 def _check_runs(

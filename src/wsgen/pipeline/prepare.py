@@ -133,6 +133,7 @@ class PreparedRobot:
     readable: Robot | None = None  # as written, with mesh files that can be read
     can_run: bool = True  # if not, an engine would simulate another robot than the described one
     spawn_pose: Pose = IDENTITY
+    model_pose: Pose | None = None  # of the frame of the model, where that is not the root link's
     height: SpawnHeight | None = None  # where a launch file gives that of the spawn pose
     on_the_ground: bool = False  # as low as it can stand, instead of at the height of that pose
     is_static_model: bool = False  # a model of the world around the robots
@@ -141,6 +142,7 @@ class PreparedRobot:
     diagnostics: tuple[Diagnostic, ...] = ()  # about its description, as they have been reported
     devices: Devices | None = None  # sensors and plugins, if they are wanted
     description: str | None = None  # its URDF, likewise; None: it is of SDF
+    text: str | bytes | None = None  # of URDF or SDF, as it is spawned; None: a world file has it
 
 
 def prepare_robot(  # noqa: PLR0913  most have defaults
@@ -202,6 +204,7 @@ def _prepare(
             # What Gazebo goes on without is reported, and the robot does not pass.
             can_run=not keeps_out(found),
             drive=_drive(lumped, simulator),
+            text=text,
         )
         if context.with_devices:
             prepared = _with_devices(prepared, text)
@@ -548,6 +551,7 @@ def prepare_models(
             readable=robot,
             can_run=can_run,
             spawn_pose=model.pose_in_world,
+            model_pose=model.model_pose,
             on_the_ground=found.world is None and not model.is_static,
             is_static_model=is_static_model,
             may_move=found.world is not None,

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import field, replace
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol
 
+from wsgen.model.outcome import GAZEBO
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
@@ -82,6 +83,8 @@ class ValidateRequest:
     answers: Callable[[], Sequence[str]] = tuple
     seconds: float = 3.0  # of simulated time
     engines: Sequence[str] = ("bullet",)  # the first one's figures are reported
+    # Whether the user's own Gazebo simulates, too: always, or where it is installed.
+    gazebo: Literal["no", "required", "if installed"] = "no"
     jobs: int = 1  # number of packages or files to process in parallel; of one, its engines
     picture_folder: Path | None = None
     video: Path | None = None  # a .gif or .mp4 of the simulation of one launch file
@@ -103,6 +106,11 @@ class ValidateRequest:
             return self
         share = self.view_triangles // max(1, count)
         return replace(self, view_triangles=min(MOST_TRIANGLES, max(LEAST_TRIANGLES, share)))
+
+    @property
+    def all_engines(self) -> tuple[str, ...]:
+        """The engines, and the user's own Gazebo if it is asked for."""
+        return (*self.engines, *([GAZEBO] if self.gazebo == "required" else []))
 
     @property
     def is_drawn(self) -> bool:

@@ -12,6 +12,7 @@ from wsgen.isolation.result import Limits
 from wsgen.model.behavior import ELEMENT
 from wsgen.model.outcome import (
     ENGINE_NAMES,
+    GAZEBO,
     EngineOutcome,
     Rest,
     RobotOutcome,
@@ -38,7 +39,7 @@ from wsgen.rules.runs import (
 )
 from wsgen.simulation.contact_shapes import most_parts
 from wsgen.simulation.run import installed_engines, run_simulation
-from wsgen.simulation.scene import Scene, SpawnedRobot
+from wsgen.simulation.scene import Scene, SimulationOutcome, SpawnedRobot
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -49,8 +50,9 @@ if TYPE_CHECKING:
     from wsgen.model.world import World
     from wsgen.pipeline.behavior_plan import BehaviorPlan
     from wsgen.pipeline.prepare import PreparedRobot
+    from wsgen.pipeline.real_gazebo import Judged, RealGazebo
     from wsgen.pipeline.requests import ValidateRequest
-    from wsgen.simulation.scene import Push, RobotRun, SimulationOutcome
+    from wsgen.simulation.scene import Push, RobotRun
 
 
 # What models of a world may do that are no robots: lie in each other or in the ground, and move.
@@ -70,6 +72,7 @@ class _EngineResult(NamedTuple):
     diagnostics: list[Diagnostic]
     failed: set[str]  # the entities that do not pass
     untried: set[str]  # of these, those whose behaviors cannot be simulated, and that pass besides
+    version: str = ""  # of the user's own Gazebo
 
 
 def simulate_robots(  # noqa: PLR0913  what is simulated, and how
@@ -83,12 +86,14 @@ def simulate_robots(  # noqa: PLR0913  what is simulated, and how
     progress: Path | None = None,
     pushes: tuple[Push, ...] = (),
     keep_engines: bool = False,
+    gazebo: RealGazebo | None = None,
 ) -> SimulationResult:
     """Simulate the robots that can be simulated, and check all; `name` is the picture's.
 
     `behavior_plan` is what they must do beyond standing; the child process writes the progress of a
     video to the file `progress`. `pushes` act on robots while they stand. An engine that is
-    unstable with a robot is replaced by one that is not, unless `keep_engines`.
+    unstable with a robot is replaced by one that is not, unless `keep_engines`. `gazebo` is the
+    user's own, which simulates the same.
     """
     simulate = partial(
         _simulate,
@@ -99,6 +104,7 @@ def simulate_robots(  # noqa: PLR0913  what is simulated, and how
         behavior_plan=behavior_plan,
         progress=progress,
         pushes=pushes,
+        gazebo=gazebo,
     )
     simulated, results = simulate(request)
     unstable = {one.engine: gains for one in results if (gains := _unstable_robots(one))}
@@ -133,6 +139,7 @@ def _simulate(  # noqa: PLR0913  as above
     behavior_plan: BehaviorPlan | None,
     progress: Path | None,
     pushes: tuple[Push, ...],
+    gazebo: RealGazebo | None,
 ) -> tuple[SimulationResult, Sequence[_EngineResult]]:
     """Simulate the robots in the engines of the request, and check all.
 
@@ -141,7 +148,7 @@ def _simulate(  # noqa: PLR0913  as above
     runnable = [robot for robot in prepared if robot.can_run]
     robots = [robot for robot in prepared if not robot.is_static_model]
     not_run = () if behavior_plan is None else behavior_plan.diagnostics
-    if all(robot.is_static_model for robot in runnable):
+    if gazebo is None and all(robot.is_static_model for robot in runnable):
         nothing = tuple(_outcome(robot, (), behavior_plan, ()) for robot in robots)
         return SimulationResult(robots=nothing, diagnostics=not_run), ()
     changes = tuple(_beyond_bullet(runnable, request.engines))
@@ -155,16 +162,25 @@ def _simulate(  # noqa: PLR0913  as above
         )
         for engine in request.engines
     ]
+    is_moving = not all(robot.is_static_model for robot in runnable)
+    scenes = scenes if is_moving else []  # there is nothing that Gazebo alone would simulate
     outcomes = _run_scenes(scenes, _limits(request, behavior_plan), request.jobs, run)
     results = [
         _check(world, runnable, engine, outcome, behavior_plan)
-        for engine, outcome in zip(request.engines, outcomes, strict=True)
+        for engine, outcome in zip(request.engines, outcomes, strict=bool(outcomes))
     ]
+    own = results
+    if gazebo is not None:
+        runs = results[0].runs if results else {}
+        judged = gazebo.simulate(world, robots, runs, request.seconds)
+        not_run = (*not_run, *judged.diagnostics)
+        if judged.asked:
+            results = [*results, _check_gazebo(world, runnable, robots, judged)]
     found = [*not_run, *changes, *of_all_engines((one.engine, one.diagnostics) for one in results)]
     found += [*_compare(runnable, results), *known]
     shown = {} if behavior_plan is None else behavior_plan.entities
     causes, left = _fold(runnable, found, shown)
-    first = outcomes[0]
+    first = outcomes[0] if outcomes else SimulationOutcome()
     simulated = SimulationResult(
         robots=tuple(_outcome(robot, results, behavior_plan, found) for robot in robots),
         diagnostics=tuple(left),
@@ -176,7 +192,7 @@ def _simulate(  # noqa: PLR0913  as above
         view=first.view,
         seconds=first.seconds,
     )
-    return simulated, results
+    return simulated, own
 
 
 ENGINE_CHANGED = Rule(
@@ -317,6 +333,25 @@ def _check(
             failed.add(robot.entity)
         found += checked
     return _EngineResult(engine, measured, found, failed | untried, untried - failed)
+
+
+def _check_gazebo(
+    world: World,
+    runnable: Sequence[PreparedRobot],
+    robots: Sequence[PreparedRobot],
+    judged: Judged,
+) -> _EngineResult:
+    """Check what the user's own Gazebo did, as what the engines did is checked."""
+    found: list[Diagnostic] = []
+    failed = set(judged.asked - judged.runs.keys())
+    for robot in robots:
+        robot_run = judged.runs.get(robot.entity)
+        checked = () if robot_run is None else check_robot(world, runnable, robot, robot_run)
+        if robot.may_move:
+            checked = tuple(_soften(one) if one.code in MOVES else one for one in checked)
+        failed |= {robot.entity} if has_errors(checked) else set()
+        found += checked
+    return _EngineResult(GAZEBO, judged.runs, found, failed, set(), judged.version)
 
 
 def check_robot(
@@ -495,6 +530,8 @@ def _in_engine(
 ) -> EngineOutcome:
     entity = prepared.entity
     robot_run = result.runs.get(entity)
+    is_gazebo = result.engine == GAZEBO
+    behavior_plan = None if is_gazebo else behavior_plan  # it only stands there
     behaviors = (
         ()
         if behavior_plan is None
@@ -502,9 +539,10 @@ def _in_engine(
     )
     live = () if behavior_plan is None else behavior_plan.live_series(entity, result.engine)
     if robot_run is None:
-        return EngineOutcome(engine=result.engine, behaviors=behaviors)
+        return EngineOutcome(engine=result.engine, version=result.version, behaviors=behaviors)
     return EngineOutcome(
         engine=result.engine,
+        version=result.version,
         simulated=Simulated(
             engine=result.engine,
             links=robot_run.links,
@@ -519,7 +557,7 @@ def _in_engine(
             joint_positions=robot_run.joint_positions,
         ),
         behaviors=behaviors,
-        passed=prepared.can_run and entity not in result.failed,
+        passed=(prepared.can_run or is_gazebo) and entity not in result.failed,
         is_untried=prepared.can_run and entity in result.untried,
         codes=frozenset(one.code for one in result.diagnostics if one.element == entity),
         time_series=(*robot_run.time_series, *live),

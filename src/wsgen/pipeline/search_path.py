@@ -89,6 +89,20 @@ def check_search_path(
         yield from no_resource_path(started.spawns, kind, path, missing.__contains__)
 
 
+def environment_of_simulator(started: Started, overlay: Overlay) -> dict[str, str]:
+    """The environment that the launch starts its simulator in, with the exports of package.xml."""
+    plan = started.plan
+    found = {**overlay.environment, **plan.environment}
+    kinds = simulator_kinds(plan)
+    for kind in kinds:
+        folders = [*_folders(plan, kind, found)]
+        if _reads_exports(plan, kind):
+            folders += (folder for one in _exports(overlay).values() for folder in one)
+        for name in VARIABLES[kind][:2]:
+            found[name] = os.pathsep.join(dict.fromkeys(folders))
+    return found
+
+
 def _folders(plan: LaunchPlan, kind: str, environment: Mapping[str, str]) -> Iterator[str]:
     """The folders of the variables, as the launch and the process of the simulator have them."""
     for variables in (environment, *(one.environment for one in started_programs(plan))):

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import os
 from contextlib import ExitStack, suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -210,6 +211,10 @@ def check_request(request: ValidateRequest) -> None:
         NotReadableError: a FILE is no regular file, or the folder for the pictures cannot be made.
     """
     check_engines(request.engines)
+    if request.gazebo == "required":
+        from wsgen.pipeline.real_gazebo import require_gazebo  # noqa: PLC0415  it is seldom wanted
+
+        require_gazebo(os.environ)
     if len(request.files) == 1 and not request.packages:
         _refuse_only_file(request.files[0])
     if request.files and not request.packages:

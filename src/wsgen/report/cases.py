@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Severity
 from wsgen.model.behavior import ELEMENT
-from wsgen.model.outcome import ENGINE_NAMES
 from wsgen.report.check_formats import full_message, relative_name
 from wsgen.report.junit import Case, Failure, Suite
 from wsgen.rules import runs
@@ -249,7 +248,7 @@ def _described(context: _Context) -> list[Diagnostic]:
 
 def _behaviors(robot: RobotOutcome, own: Sequence[Diagnostic], context: _Context) -> Iterator[Case]:
     """A case for each behavior; with several engines, for each in each."""
-    each = [(f" ({ENGINE_NAMES[one.engine]})", one.behaviors) for one in robot.engines]
+    each = [(f" ({one.name})", one.behaviors) for one in robot.engines]
     if len(each) <= 1:
         each = [("", robot.behaviors)]
     for where, behaviors in each:

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from wsgen import __version__
 from wsgen.diagnostics import Severity
 from wsgen.fixes.registry import FIXERS
-from wsgen.model.outcome import ENGINE_NAMES, Outcome, name_engines
+from wsgen.model.outcome import Outcome, name_engines
 from wsgen.model.robot import JointType, Mesh
 from wsgen.printable import clean
 from wsgen.report.launch_tree import cause_of, start_tree
@@ -405,7 +405,7 @@ def _results(robot: RobotOutcome) -> Iterator[dict[str, Any]]:
         rest = one.rest if one else None
         yield {
             "entity": robot.entity,
-            "engine": ENGINE_NAMES[one.engine] if one else "–",
+            "engine": one.name if one else "–",
             "mass": one.simulated.mass if one and one.simulated else None,
             "movable": f"{robot.movable_joints} of {robot.joints}",
             "spawned": robot.spawn_pose.xyz,
@@ -427,7 +427,7 @@ def _tone(one: EngineOutcome | None) -> str:
 def _behaviors(robot: RobotOutcome) -> Iterator[dict[str, Any]]:
     """A row for each behavior and engine."""
     each: list[tuple[str, Sequence[BehaviorOutcome]]] = [
-        (ENGINE_NAMES[one.engine], one.behaviors) for one in robot.engines
+        (one.name, one.behaviors) for one in robot.engines
     ] or [("–", robot.behaviors)]
     for number in range(len(robot.behaviors)):
         for engine, behaviors in each:

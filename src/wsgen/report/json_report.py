@@ -168,6 +168,7 @@ def _robot(robot: RobotOutcome) -> dict[str, Any]:
         "engines": [
             {
                 "engine": one.engine,
+                "version": one.version or None,
                 "passed": one.passed,
                 "rest": _rest(one.rest),
                 "behaviors": [_behaved(behavior) for behavior in one.behaviors],

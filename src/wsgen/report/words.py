@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from wsgen.model.outcome import GAZEBO
 from wsgen.rules.runs import TIPS_OVER, UNACTUATED_JOINTS_MOVE
 
 if TYPE_CHECKING:
@@ -24,9 +25,13 @@ def result_of(one: EngineOutcome) -> str:
         return "tips over"
     settled = one.rest.settled_after
     if UNACTUATED_JOINTS_MOVE.code in one.codes:
-        end = "did not settle" if settled is None else f"settled after {settled:.1f} s"
+        end = "did not settle"
+        if settled is not None:
+            end = "settled" if one.engine == GAZEBO else f"settled after {settled:.1f} s"
         return f"{end}, unactuated joints"
-    return "did not settle" if settled is None else f"stands after {settled:.1f} s"
+    if settled is None:
+        return "did not settle"
+    return "stands" if one.engine == GAZEBO else f"stands after {settled:.1f} s"
 
 
 def write_xyz(xyz: tuple[float, float, float]) -> str:

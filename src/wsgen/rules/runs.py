@@ -12,7 +12,7 @@ from itertools import combinations
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
-from wsgen.model.outcome import ENGINE_NAMES, name_engines
+from wsgen.model.outcome import GAZEBO, RESULT_NAMES, name_engines
 from wsgen.model.robot import JointType
 from wsgen.model.transform import multiply, rotation_of_rpy, transpose
 
@@ -787,24 +787,29 @@ def engines_disagree(
         return
     # What comes to rest is compared with what does so, too.
     engines = sorted(runs, key=lambda engine: runs[engine].settled_after is None)
+    gaps = {pair: gaps.get(pair, gaps.get(pair[::-1], 0.0)) for pair in combinations(engines, 2)}
     agreement, reference, others = _agreement(engines, gaps)
     details = "; ".join(
-        f"in {ENGINE_NAMES[other]} it "
+        f"in {RESULT_NAMES[other]} it "
         + ", ".join(found.words for found in _differences(runs[reference], runs[other]))
         for other in others
     )
     why = _why_engines_disagree(list(runs.values()), has_passive_joints=has_passive_joints)
     if is_on_hull:
         why = (
-            "The robot rests on the convex hull of a mesh (see rests-on-hull), which DART does "
-            "not use."
+            "The robot rests on the convex hull of a mesh (see rests-on-hull), which DART "
+            f"{'and Gazebo do' if GAZEBO in runs else 'does'} not use."
         )
+    which = "Gazebo is what the package runs in." if GAZEBO in runs else _OF_GAZEBO_SIM
     yield ENGINES_DISAGREE.at(
         None,
         element=runs[reference].entity,
         message=f"{agreement}{details}.",
-        hint=f"{why} Gazebo Sim uses DART by default.",
+        hint=f"{why} {which}",
     )
+
+
+_OF_GAZEBO_SIM = "Gazebo Sim uses DART by default."
 
 
 def _agreement(
@@ -812,19 +817,23 @@ def _agreement(
 ) -> tuple[str, str, list[str]]:
     """Who disagrees, in words; the engine to compare with, and those to compare with it."""
     apart = [pair for pair, gap in gaps.items() if gap]
-    near, *rest = sorted(gaps, key=lambda pair: gaps[pair])
-    if rest and len(apart) > 1 and gaps[near] < min(NEAR, gaps[rest[0]] / CLEARLY):
-        nearly = "nearly " if gaps[near] else ""
-        (odd,) = set(engines) - set(near)
-        agreement = f"{name_engines(near)} {nearly}agree, {ENGINE_NAMES[odd]} differs: "
-        return agreement, near[0], [odd]
+    for odd in engines if engines[2:] else ():
+        within = max(gap for pair, gap in gaps.items() if odd not in pair)
+        away = min(gap for pair, gap in gaps.items() if odd in pair)
+        if away and within < min(NEAR, away / CLEARLY):
+            others = [engine for engine in engines if engine != odd]
+            nearly = "nearly " if within else ""
+            agreement = f"{name_engines(others)} {nearly}agree, {RESULT_NAMES[odd]} differs: "
+            return agreement, others[0], [odd]
     different = [engine for engine in engines if any(engine in pair for pair in apart)]
     between = [engine for engine in engines if engine not in different]
-    agreement = f"{name_engines(sorted(different, key=list(ENGINE_NAMES).index))} disagree"
+    agreement = f"{name_engines(sorted(different, key=list(RESULT_NAMES).index))} disagree"
     if between:
-        agreement += f"; {name_engines(between)} is between them"
+        agreement += f"; {name_engines(between)} {'are' if between[1:] else 'is'} between them"
+    # Gazebo is what others are compared with; of two, it is said what happens in it.
+    different.sort(key=lambda engine: (engine == GAZEBO) == (len(different) == len("ab")))
     reference, *others = different
-    compared = f"compared with {ENGINE_NAMES[reference]}, " if others[1:] else ""
+    compared = f"compared with {RESULT_NAMES[reference]}, " if others[1:] else ""
     return f"{agreement}: {compared}", reference, others
 
 

@@ -289,6 +289,7 @@ class SdfModel(NamedTuple):
     # (`World.has_ground_plane`): the robot is without it.
     ground_friction: float | None = None
     devices: Devices | None = None  # if they are wanted; None also of a URDF that is included
+    model_pose: Pose | None = None  # in the world, of its own frame; None: that is the root link's
 
 
 class WorldModels(NamedTuple):
@@ -359,6 +360,7 @@ def _read_node(includes: Includes, node: Node, poses: Poses) -> SdfModel:
         name=node.name,
         robot=assembled.robot,
         pose_in_world=compose(pose, assembled.root_in_model),
+        model_pose=pose,
         is_static=node.is_static,
         file=node.source.file,
         line=line_of(node.element),

@@ -42,10 +42,10 @@ ENGINE_DIED = Rule(
     code="SPN031",
     name="engine-died",
     severity=Severity.ERROR,
-    summary="The physics engine crashed, hung or ran out of memory.",
+    summary="The physics engine, or Gazebo itself, crashed, hung or ran out of memory.",
     what=(
         "Simulates in a separate process with limited CPU time and memory. The other robots are "
-        "simulated again without the one that crashed the engine."
+        "simulated again without the one that crashed the engine; not in `--engine gazebo`."
     ),
     why=("The robot has no result, and it may crash Gazebo, too."),
     example="A mesh file with faces that refer to missing vertices.",
@@ -69,7 +69,7 @@ ENGINE_REFUSED = Rule(
     code="SPN032",
     name="engine-refused",
     severity=Severity.ERROR,
-    summary="The physics engine does not load the robot.",
+    summary="The physics engine, or Gazebo itself, does not load the robot.",
     why="The robot is not simulated; the message names the reason.",
     example="A robot of more than 128 links, where PyBullet is the only engine.",
     instead="pip install 'wsgen[mujoco]'",
@@ -79,7 +79,8 @@ ENGINE_WARNING = Rule(
     code="SPN033",
     name="engine-warning",
     severity=Severity.WARNING,
-    summary="The physics engine printed a warning.",
+    severity_varies="information for a plugin that is not installed, with `--engine gazebo`",
+    summary="The physics engine, or Gazebo itself, printed a warning.",
     why=(
         "Engines continue without a part that they cannot use, and only print a warning: a mesh "
         "without points, for example, has no contacts."

@@ -1,0 +1,421 @@
+"""Starts the user's own Gazebo without a window, and has it simulate: the child process.
+
+Both simulators are asked by their command line tools, as a person would ask them: they speak
+protocols that change with each version. Gazebo Classic was tried in version 11.1; Gazebo Sim is
+written to its documentation (tutorials/model_command.md and entity_creation.md of gz-sim), untried.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+from wsgen.isolation.child import announce
+from wsgen.model.gazebo_plugins import CLASSIC
+from wsgen.model.transform import (
+    Pose,
+    compose,
+    quaternion_of_rpy,
+    rotation_of_quaternion,
+    rpy_of_rotation,
+)
+from wsgen.simulation.real_gazebo import GazeboResult, GazeboRun, ModelState
+from wsgen.simulation.scene import LOADING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+    from wsgen.model.transform import Vector
+    from wsgen.simulation.real_gazebo import GazeboScene, ToSpawn
+
+
+# Wall-clock, generous: a world may download models, and a machine may be busy.
+SECONDS_TO_START = 600.0
+SECONDS_TO_SPAWN = 60.0
+SECONDS_WITHOUT_STEP = 120.0
+SECONDS_TO_ANSWER = 60.0
+PAUSE = 0.2  # s, between two questions
+LAST_LINES = 20
+LINE = 300  # characters
+_COLORS = re.compile(r"\x1b\[[0-9;]*m")
+# What Gazebo prints of a machine without a display or sound, and of no network for models.
+_OF_THE_MACHINE = re.compile(
+    r"RenderEngine|OpenAL|ALSA|AL lib|Audio will be|preferred IP|ModelDatabase|libEGL|Ogre|ogre"
+)
+_ALARMS = re.compile(r"\[Err\]|\[Error\]|\[error\]|^Error\b|\[Wrn\].*(?:does not exist|ailed)")
+
+
+class EndedError(Exception):
+    """The server has ended, or does not answer; the text says how, without a subject."""
+
+
+class _Server(Protocol):
+    """A server that runs, paused."""
+
+    def is_ready(self) -> bool:
+        """Whether it has loaded its world."""
+
+    def spawn(self, robot: ToSpawn) -> str:
+        """Have it spawn a robot; what was printed of it."""
+
+    def state(self, entity: str) -> ModelState | None:
+        """A model; None while it has none of that name."""
+
+    def step(self, count: int) -> None:
+        """Begin so many steps of physics."""
+
+    def iterations(self) -> int:
+        """The steps of physics that it has done."""
+
+
+def simulate(scene: GazeboScene) -> GazeboResult:
+    """Have a Gazebo simulate a scene."""
+    with tempfile.TemporaryFile() as log:
+        runs: dict[str, GazeboRun] = {}
+        refused: dict[str, str] = {}
+        problem = None
+        server = (_Classic if scene.installed.kind == CLASSIC else _Sim)(scene)
+        process = subprocess.Popen(
+            server.command,
+            env=server.environment,
+            stdin=subprocess.DEVNULL,
+            stdout=log,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,  # `gz` starts the server as a child of its own
+        )
+        try:
+            _simulate(server, process, scene, runs, refused)
+        except EndedError as error:
+            problem = str(error)
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+        log.seek(0)
+        printed = tuple(_lines(os.fsdecode(log.read())))
+    if problem is None:
+        printed = tuple(line for line in printed if _ALARMS.search(line))
+    return GazeboResult(runs=runs, refused=refused, printed=printed[-LAST_LINES:], problem=problem)
+
+
+def _simulate(
+    server: _Server,
+    process: subprocess.Popen[bytes],
+    scene: GazeboScene,
+    runs: dict[str, GazeboRun],
+    refused: dict[str, str],
+) -> None:
+    """Fill in what becomes of the robots.
+
+    Raises:
+        EndedError: The server does not answer, or has ended.
+    """
+    announce("loading the world")
+    if not _wait(server.is_ready, process, SECONDS_TO_START):
+        raise EndedError(f"has not loaded the world after {SECONDS_TO_START:.0f} s")
+    for robot in scene.robots:
+        announce(LOADING.format(entity=robot.entity))
+        said = server.spawn(robot) if robot.file is not None else ""
+        seconds = SECONDS_TO_ANSWER / 10 if said else SECONDS_TO_SPAWN
+
+        def is_there(entity: str = robot.entity) -> bool:
+            return server.state(entity) is not None
+
+        if not _wait(is_there, process, seconds):
+            refused[robot.entity] = said
+    announce("simulating")
+    there = [robot.entity for robot in scene.robots if robot.entity not in refused]
+    if not there:
+        return
+    window = max(1, round(scene.window / scene.step))
+    count = max(1, round(scene.seconds / scene.step) - window)
+    _advance(server, process, count)
+    before = {entity: server.state(entity) for entity in there}
+    _advance(server, process, window)
+    for entity in there:
+        first, end = before[entity], server.state(entity)
+        if first is None or end is None:
+            refused[entity] = "The model disappeared while it was simulated."
+        else:
+            runs[entity] = GazeboRun(before=first, end=end)
+
+
+def _advance(server: _Server, process: subprocess.Popen[bytes], count: int) -> None:
+    """Simulate so many steps, however long they take, as long as it goes on."""
+    last = server.iterations()
+    target = last + count
+    server.step(count)
+    since = time.monotonic()
+    while last < target:
+        _check(process)
+        now = server.iterations()
+        if now > last:
+            last, since = now, time.monotonic()
+        elif time.monotonic() - since > SECONDS_WITHOUT_STEP:
+            raise EndedError(f"has not simulated a step for {SECONDS_WITHOUT_STEP:.0f} s")
+        time.sleep(PAUSE)
+
+
+def _wait(is_done: Any, process: subprocess.Popen[bytes], seconds: float) -> bool:
+    """Ask until something is true; whether that came in time."""
+    end = time.monotonic() + seconds
+    while not is_done():
+        _check(process)
+        if time.monotonic() > end:
+            return False
+        time.sleep(PAUSE)
+    return True
+
+
+def _check(process: subprocess.Popen[bytes]) -> None:
+    code = process.poll()
+    if code is not None:
+        how = f"exit code {code}" if code >= 0 else signal.Signals(-code).name
+        raise EndedError(f"ended ({how})")
+
+
+def _ask(command: Sequence[str], environment: Mapping[str, str]) -> str:
+    """What a command line tool prints, its errors included; empty where it does not end."""
+    try:
+        run = subprocess.run(
+            command,
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            timeout=SECONDS_TO_ANSWER,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return ""
+    return os.fsdecode(run.stdout)
+
+
+def _lines(text: str) -> Iterator[str]:
+    """The lines that are about what is simulated, each once."""
+    lines = (line.strip() for line in _COLORS.sub("", text).splitlines())
+    return (
+        line[:LINE] for line in dict.fromkeys(lines) if line and not _OF_THE_MACHINE.search(line)
+    )
+
+
+class _Classic:
+    """`gzserver`, asked by Classic's `gz`."""
+
+    def __init__(self, scene: GazeboScene) -> None:
+        installed = scene.installed
+        self._tool = installed.tool
+        self.command = [*installed.server, "--verbose", "-u", scene.world]
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+        self.environment = {
+            **scene.environment,
+            "GAZEBO_MASTER_URI": f"http://127.0.0.1:{port}",
+            "GAZEBO_IP": "127.0.0.1",
+        }
+        if self.environment.get("GAZEBO_MODEL_PATH"):
+            # As its setup.sh: with the variable set, it forgets where its own models are.
+            own = Path(installed.server[0]).parents[1].glob("share/gazebo-*/models")
+            path = [self.environment["GAZEBO_MODEL_PATH"], *map(str, own)]
+            self.environment["GAZEBO_MODEL_PATH"] = os.pathsep.join(path)
+        self._world = ""
+
+    def is_ready(self) -> bool:
+        found = re.search(r"(?m)^/gazebo/(.+)/world_stats$", self._gz("topic", "-l"))
+        self._world = found[1] if found else ""
+        return found is not None
+
+    def spawn(self, robot: ToSpawn) -> str:
+        (x, y, z), (roll, pitch, yaw) = robot.pose.xyz, robot.pose.rpy
+        said = self._gz(
+            *("model", f"--spawn-file={robot.file}", f"--model-name={robot.entity}"),
+            *(f"--pose-x={x!r}", f"--pose-y={y!r}", f"--pose-z={z!r}"),
+            *(f"--pose-R={roll!r}", f"--pose-P={pitch!r}", f"--pose-Y={yaw!r}"),
+        )
+        return "\n".join(line for line in _lines(said) if "rror" in line)
+
+    def state(self, entity: str) -> ModelState | None:
+        message = read_message(self._gz("model", "-m", entity, "-i"))
+        pose = first(message, "pose")
+        if pose is None:
+            return None
+        at, names = _pose(pose), len(entity) + len("::")
+        links = _all(message, "link")
+        joints = [one for one in _all(message, "joint") if first(one, "type") != "FIXED"]
+        return ModelState(
+            links={
+                str(first(link, "name"))[names:]: compose(at, _pose(first(link, "pose")))
+                for link in links
+            },
+            mass=sum(_number(first(first(link, "inertial"), "mass")) for link in links),
+            movable_joints=len(joints),
+            joint_positions={
+                str(first(joint, "name"))[names:]: _number(first(joint, "angle"))
+                for joint in joints
+                if first(joint, "angle") is not None
+            },
+        )
+
+    def step(self, count: int) -> None:
+        self._gz("world", "-m", str(count))
+
+    def iterations(self) -> int:
+        topic = f"/gazebo/{self._world}/world_stats"
+        found = re.findall(r"iterations: (\d+)", self._gz("topic", "-e", topic, "-d", "1", "-u"))
+        return int(found[-1]) if found else -1
+
+    def _gz(self, *words: str) -> str:
+        return _ask([self._tool, *words], self.environment)
+
+
+class _Sim:
+    """`gz sim`, or `ign gazebo`, asked by the tool of that name: untried."""
+
+    def __init__(self, scene: GazeboScene) -> None:
+        installed = scene.installed
+        self._tool = installed.tool
+        is_old = Path(installed.tool).name == "ign"
+        self._messages = "ignition.msgs" if is_old else "gz.msgs"
+        headless = [] if scene.environment.get("DISPLAY") else ["--headless-rendering"]
+        self.command = [*installed.server, "-s", "-v", "2", *headless, scene.world]
+        partition = f"wsgen-{os.getpid()}"
+        self.environment = {
+            **scene.environment,
+            **{f"{prefix}_PARTITION": partition for prefix in ("GZ", "IGN")},
+            **{f"{prefix}_IP": "127.0.0.1" for prefix in ("GZ", "IGN")},
+        }
+        self._world = ""
+
+    def is_ready(self) -> bool:
+        found = re.search(r"(?m)^/world/(.+)/stats$", self._gz("topic", "-l"))
+        self._world = found[1] if found else ""
+        return found is not None
+
+    def spawn(self, robot: ToSpawn) -> str:
+        x, y, z, w = quaternion_of_rpy(robot.pose.rpy)
+        file, name = (_quoted(str(one)) for one in (robot.file, robot.entity))
+        axes = zip("xyz", robot.pose.xyz, strict=True)
+        place = ", ".join(f"{axis}: {part!r}" for axis, part in axes)
+        said = self._request(
+            "create",
+            "EntityFactory",
+            f"sdf_filename: {file}, name: {name}, pose: {{position: {{{place}}}, "
+            f"orientation: {{x: {x!r}, y: {y!r}, z: {z!r}, w: {w!r}}}}}",
+        )
+        return "" if "data: true" in said else "\n".join(_lines(said)) or "No answer."
+
+    def state(self, entity: str) -> ModelState | None:
+        return read_model(self._gz("model", "-m", entity))
+
+    def step(self, count: int) -> None:
+        self._request("control", "WorldControl", f"pause: true, multi_step: {count}")
+
+    def iterations(self) -> int:
+        topic = f"/world/{self._world}/stats"
+        found = re.findall(r"iterations: (\d+)", self._gz("topic", "-e", "-n", "1", "-t", topic))
+        return int(found[-1]) if found else 0
+
+    def _request(self, service: str, kind: str, request: str) -> str:
+        return self._gz(
+            *("service", "-s", f"/world/{self._world}/{service}"),
+            *("--reqtype", f"{self._messages}.{kind}", "--reptype", f"{self._messages}.Boolean"),
+            *("--timeout", "10000", "--req", request),
+        )
+
+    def _gz(self, *words: str) -> str:
+        return _ask([self._tool, *words], self.environment)
+
+
+def _quoted(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'
+
+
+Message = list[tuple[str, Any]]  # fields in their order: a text, or a message
+
+
+def read_message(text: str) -> Message:
+    """A message in the text format of protobuf, as Gazebo's tools print it."""
+    top: Message = []
+    open_ones = [top]
+    for line in text.splitlines():
+        words = line.strip()
+        name, colon, value = words.partition(": ")
+        if words.endswith("{"):
+            inner: Message = []
+            open_ones[-1].append((words[:-1].strip(), inner))
+            open_ones.append(inner)
+        elif words == "}" and len(open_ones) > 1:
+            open_ones.pop()
+        elif colon:
+            open_ones[-1].append((name, value.strip('"')))
+    return top
+
+
+def first(message: Any, name: str) -> Any:
+    """The first field of that name; None where there is none."""
+    return next(iter(_all(message, name)), None)
+
+
+def _all(message: Any, name: str) -> list[Any]:
+    return [value for field, value in message or () if field == name]
+
+
+def _number(value: Any) -> float:
+    return float(value) if value is not None else 0.0
+
+
+def _pose(message: Any) -> Pose:
+    x, y, z = (_number(first(first(message, "position"), axis)) for axis in "xyz")
+    a, b, c, d = (_number(first(first(message, "orientation"), axis)) for axis in "xyzw")
+    return Pose((x, y, z), rpy_of_rotation(rotation_of_quaternion((a, b, c, d))))
+
+
+_PART = re.compile(r"- (Model|Link|Joint):? \[\d+\]|^Model: \[\d+\]")
+_ROW = re.compile(r"\[(.+)\]")
+
+
+def read_model(text: str) -> ModelState | None:
+    """What `gz model -m NAME` of Gazebo Sim prints: poses of links are seen from the model."""
+    parts: list[tuple[str, dict[str, str], dict[str, list[Vector]]]] = []
+    heading = ""
+    for raw in text.splitlines():
+        line = raw.strip()
+        part = _PART.match(line)
+        name, colon, value = line.removeprefix("- ").partition(":")
+        if part:
+            parts.append((part[1] or "Model", {}, {}))
+        elif parts and line.startswith("- ") and colon:
+            heading = name.partition(" [")[0]
+            parts[-1][1].setdefault(heading, value.strip(" []"))
+        elif parts and line.startswith("["):
+            numbers = [float(one) for one in re.findall(r"[^\s|\[\]]+", line)]
+            if len(numbers) == len("xyz"):
+                row = (numbers[0], numbers[1], numbers[2])
+                parts[-1][2].setdefault(heading, []).append(row)
+    models = [one for one in parts if one[0] == "Model"]
+    if not models:
+        return None
+    at = _pose_of(models[0][2])
+    links = [one for one in parts if one[0] == "Link"]
+    return ModelState(
+        links={values["Name"]: compose(at, _pose_of(rows)) for _, values, rows in links},
+        mass=sum(float(values.get("Mass (kg)", "0")) for _, values, _ in links),
+        movable_joints=sum(
+            kind == "Joint" and values.get("Type") != "fixed" for kind, values, _ in parts
+        ),
+        joint_positions={},
+    )
+
+
+def _pose_of(rows: Mapping[str, Iterable[Vector]]) -> Pose:
+    return Pose(*list(rows.get("Pose", ()))[:2])
