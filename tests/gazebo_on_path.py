@@ -17,7 +17,8 @@ for folder in {folders}; do
   mkdir -p "$root$folder"
   mount --rbind "$folder" "$root$folder"
 done
-exec chroot "$root" env PATH=/usr/sbin:/usr/bin:/sbin:/bin GAZEBO_MODEL_DATABASE_URI= "$program" "$@"
+export PATH=/usr/sbin:/usr/bin:/sbin:/bin GAZEBO_MODEL_DATABASE_URI=
+exec chroot "$root" "$program" "$@"
 ' sh "{root}" "$(basename "$0")" "$@"
 """
 

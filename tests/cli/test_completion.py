@@ -65,7 +65,7 @@ def completions(*words: str) -> list[str]:
         (("new", "my_robot", "-t", ""), ["<dir>", "arm", "diff_drive", "simple", "wanderer"]),
         (("templates", "s"), ["<dir>", "simple"]),
         (("build", "-w", ""), ["<dir>"]),
-        (("validate", "--engine", ""), ["bullet", "dart", "mujoco", "all"]),
+        (("validate", "--engine", ""), ["bullet", "dart", "mujoco", "gazebo", "all"]),
     ],
 )
 @pytest.mark.usefixtures("workspace")

@@ -36,7 +36,7 @@ def test_every_engine_has_a_name_a_task_and_an_option() -> None:
     assert set(ENGINE_NAMES) == set(run.MODULES) == set(run.TASKS)
     (option,) = (one for one in validate.params if one.name == "engine")
     assert isinstance(option.type, click.Choice)
-    assert set(option.type.choices) == {*ENGINE_NAMES, "all"}
+    assert set(option.type.choices) == {*ENGINE_NAMES, "gazebo", "all"}
 
 
 @pytest.mark.parametrize(

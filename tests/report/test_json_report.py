@@ -156,6 +156,7 @@ def test_every_key_of_the_contract() -> None:
                         "engines": [
                             {
                                 "engine": "bullet",
+                                "version": None,
                                 "passed": True,
                                 "rest": {
                                     "xyz": [0.0, 0.0, 0.25],
@@ -179,6 +180,7 @@ def test_every_key_of_the_contract() -> None:
                             },
                             {
                                 "engine": "dart",
+                                "version": None,
                                 "passed": False,
                                 "rest": None,
                                 "behaviors": [

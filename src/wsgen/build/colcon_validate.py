@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 RESULT = "wsgen_validate"  # the name of the result files, below build/PACKAGE
 # As the command line of wsgen knows them; it refuses what is none of them.
-ENGINES = ("bullet", "dart", "mujoco", "all")
+ENGINES = ("bullet", "dart", "mujoco", "gazebo", "all")
 # Exit codes of a process that Ctrl-C or a job's end stops; negative before wsgen takes signals.
 INTERRUPTED = {
     *(EXIT_SIGNALLED + number for number in (signal.SIGINT, signal.SIGTERM)),

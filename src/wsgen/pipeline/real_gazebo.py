@@ -175,7 +175,7 @@ class RealGazebo:
             x, y, z = pose.xyz  # as high as the engine spawned it
             rise = run.spawn_pose.z - robot.spawn_pose.z
             pose = replace(pose, xyz=(x, y, z + rise))
-        return ToSpawn(entity=robot.entity, root=robot.lumped.root, file=file, pose=pose)
+        return ToSpawn(entity=robot.entity, file=file, pose=pose)
 
     def _not_installed(self) -> Iterator[Diagnostic]:
         name = SIMULATOR_NAMES.get(self._kind or "", "Gazebo")
@@ -239,13 +239,14 @@ def measure(
     since when; energy, overlaps and what happened before are those of a robot that stands.
     """
     before, end = gazebo_run.before, gazebo_run.end
-    root = robot.lumped.root if robot.lumped.root in end.links else next(iter(end.links))
+    root = robot.lumped.root  # `world` is no link there
     start = robot.spawn_pose
     if robot.entity in runs:
         start = runs[robot.entity].spawn_pose
-    pose, earlier = end.links[root], before.links[root]
-    finite = all(one.is_finite for one in end.links.values())
-    speed = math.dist(pose.xyz, earlier.xyz) / REST_HELD
+    pose = end.links.get(root, end.pose)
+    earlier = before.links.get(root, before.pose)
+    finite = all(one.is_finite for one in (pose, earlier, *end.links.values()))
+    speed = math.dist(pose.xyz, earlier.xyz) / REST_HELD  # not-a-number compares as false
     turning = _angle(pose, earlier) / REST_HELD
     joint_speed = max(
         (
@@ -263,6 +264,7 @@ def measure(
     )
     climb = (pose.xyz[2] - earlier.xyz[2]) / REST_HELD
     at_spawn = _lowest(robot, link_poses(robot.lumped, start), start)
+    here = {**end.links, root: pose}
     described = robot.lumped.mass
     is_same = math.isclose(end.mass, described, rel_tol=1e-6, abs_tol=DIGITS * len(end.links))
     turned = multiply(rotation_of_rpy(pose.rpy), transpose(rotation_of_rpy(start.rpy)))
@@ -275,7 +277,7 @@ def measure(
         overlaps=(),
         lowest_point=at_spawn,
         penetration=max(0.0, -at_spawn) if world.has_ground_plane else 0.0,
-        lowest_point_at_end=_lowest(robot, end.links, pose) if finite else pose.xyz[2],
+        lowest_point_at_end=_lowest(robot, here, pose) if finite else pose.xyz[2],
         is_finite=finite,
         settled_after=seconds - REST_HELD if at_rest else None,
         rest_pose=pose,
@@ -326,7 +328,9 @@ def _reports(
             "it prints.",
         )
     for entity, said in result.refused.items():
-        why = said or "; ".join(result.printed[-NAMED:]) or "it prints no reason"
+        printed = "; ".join(result.printed[-NAMED:]) or "it prints no reason"
+        # The tool of Classic reads the description; that of Gazebo Sim leaves it to the server.
+        why = printed if installed.kind == SIM else said or printed
         yield ENGINE_REFUSED.at(
             None,
             element=entity,

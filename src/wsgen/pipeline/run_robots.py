@@ -163,16 +163,16 @@ def _simulate(  # noqa: PLR0913  as above
         for engine in request.engines
     ]
     is_moving = not all(robot.is_static_model for robot in runnable)
-    scenes = scenes if is_moving else []  # there is nothing that Gazebo alone would simulate
-    outcomes = _run_scenes(scenes, _limits(request, behavior_plan), request.jobs, run)
+    outcomes = [SimulationOutcome()] * len(scenes)  # Gazebo alone takes what wsgen refuses
+    if is_moving:
+        outcomes = _run_scenes(scenes, _limits(request, behavior_plan), request.jobs, run)
     results = [
         _check(world, runnable, engine, outcome, behavior_plan)
-        for engine, outcome in zip(request.engines, outcomes, strict=bool(outcomes))
+        for engine, outcome in zip(request.engines, outcomes, strict=True)
     ]
     own = results
     if gazebo is not None:
-        runs = results[0].runs if results else {}
-        judged = gazebo.simulate(world, robots, runs, request.seconds)
+        judged = gazebo.simulate(world, robots, results[0].runs, request.seconds)
         not_run = (*not_run, *judged.diagnostics)
         if judged.asked:
             results = [*results, _check_gazebo(world, runnable, robots, judged)]
@@ -180,7 +180,7 @@ def _simulate(  # noqa: PLR0913  as above
     found += [*_compare(runnable, results), *known]
     shown = {} if behavior_plan is None else behavior_plan.entities
     causes, left = _fold(runnable, found, shown)
-    first = outcomes[0] if outcomes else SimulationOutcome()
+    first = outcomes[0]
     simulated = SimulationResult(
         robots=tuple(_outcome(robot, results, behavior_plan, found) for robot in robots),
         diagnostics=tuple(left),
@@ -345,7 +345,8 @@ def _check_gazebo(
     found: list[Diagnostic] = []
     failed = set(judged.asked - judged.runs.keys())
     for robot in robots:
-        robot_run = judged.runs.get(robot.entity)
+        # What wsgen refuses is not known well enough to be checked.
+        robot_run = judged.runs.get(robot.entity) if robot.can_run else None
         checked = () if robot_run is None else check_robot(world, runnable, robot, robot_run)
         if robot.may_move:
             checked = tuple(_soften(one) if one.code in MOVES else one for one in checked)

@@ -93,12 +93,13 @@ def environment_of_simulator(started: Started, overlay: Overlay) -> dict[str, st
     """The environment that the launch starts its simulator in, with the exports of package.xml."""
     plan = started.plan
     found = {**overlay.environment, **plan.environment}
-    kinds = simulator_kinds(plan)
-    for kind in kinds:
+    for server in _servers(plan):
+        found.update(server.environment)
+    for kind in simulator_kinds(plan):
         folders = [*_folders(plan, kind, found)]
         if _reads_exports(plan, kind):
             folders += (folder for one in _exports(overlay).values() for folder in one)
-        for name in VARIABLES[kind][:2]:
+        for name in VARIABLES[kind][:2] if folders else ():
             found[name] = os.pathsep.join(dict.fromkeys(folders))
     return found
 

@@ -831,8 +831,8 @@ def _agreement(
     if between:
         agreement += f"; {name_engines(between)} {'are' if between[1:] else 'is'} between them"
     # Gazebo is what others are compared with; of two, it is said what happens in it.
-    different.sort(key=lambda engine: (engine == GAZEBO) == (len(different) == len("ab")))
-    reference, *others = different
+    is_pair = len(different) == len("ab")
+    reference, *others = sorted(different, key=lambda one: (one == GAZEBO) == is_pair)
     compared = f"compared with {RESULT_NAMES[reference]}, " if others[1:] else ""
     return f"{agreement}: {compared}", reference, others
 

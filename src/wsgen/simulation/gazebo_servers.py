@@ -40,9 +40,11 @@ if TYPE_CHECKING:
 # Wall-clock, generous: a world may download models, and a machine may be busy.
 SECONDS_TO_START = 600.0
 SECONDS_TO_SPAWN = 60.0
+SECONDS_AFTER_ERROR = 10.0
 SECONDS_WITHOUT_STEP = 120.0
 SECONDS_TO_ANSWER = 60.0
 PAUSE = 0.2  # s, between two questions
+MOST_READ = 2**16  # bytes of what the server prints of one robot
 LAST_LINES = 20
 LINE = 300  # characters
 _COLORS = re.compile(r"\x1b\[[0-9;]*m")
@@ -50,6 +52,9 @@ _COLORS = re.compile(r"\x1b\[[0-9;]*m")
 _OF_THE_MACHINE = re.compile(
     r"RenderEngine|OpenAL|ALSA|AL lib|Audio will be|preferred IP|ModelDatabase|libEGL|Ogre|ogre"
 )
+# Classic then keeps a part of the model, in which it may crash.
+_HALF_LOADED = "Loading model from factory message failed"
+_REFUSALS = re.compile(r"[Ee]rror|terminate called|what\(\)")
 _ALARMS = re.compile(r"\[Err\]|\[Error\]|\[error\]|^Error\b|\[Wrn\].*(?:does not exist|ailed)")
 
 
@@ -92,7 +97,7 @@ def simulate(scene: GazeboScene) -> GazeboResult:
             start_new_session=True,  # `gz` starts the server as a child of its own
         )
         try:
-            _simulate(server, process, scene, runs, refused)
+            _simulate(server, process, scene, log.fileno(), runs=runs, refused=refused)
         except EndedError as error:
             problem = str(error)
         finally:
@@ -106,14 +111,16 @@ def simulate(scene: GazeboScene) -> GazeboResult:
     return GazeboResult(runs=runs, refused=refused, printed=printed[-LAST_LINES:], problem=problem)
 
 
-def _simulate(
+def _simulate(  # noqa: PLR0913  the server, and what is filled in
     server: _Server,
     process: subprocess.Popen[bytes],
     scene: GazeboScene,
+    log: int,
+    *,
     runs: dict[str, GazeboRun],
     refused: dict[str, str],
 ) -> None:
-    """Fill in what becomes of the robots.
+    """Fill in what becomes of the robots; the server prints into the file `log`.
 
     Raises:
         EndedError: The server does not answer, or has ended.
@@ -123,35 +130,42 @@ def _simulate(
         raise EndedError(f"has not loaded the world after {SECONDS_TO_START:.0f} s")
     for robot in scene.robots:
         announce(LOADING.format(entity=robot.entity))
+        printed = os.fstat(log).st_size
         said = server.spawn(robot) if robot.file is not None else ""
-        seconds = SECONDS_TO_ANSWER / 10 if said else SECONDS_TO_SPAWN
+        seconds = SECONDS_AFTER_ERROR if said else SECONDS_TO_SPAWN
 
         def is_there(entity: str = robot.entity) -> bool:
             return server.state(entity) is not None
 
-        if not _wait(is_there, process, seconds):
+        is_spawned = _wait(is_there, process, seconds)
+        lines = os.fsdecode(os.pread(log, MOST_READ, printed))
+        if not is_spawned:
             refused[robot.entity] = said
+        elif _HALF_LOADED in lines:
+            alarms = [line for line in _lines(lines) if _ALARMS.search(line)]
+            refused[robot.entity] = "; ".join(alarms)
     announce("simulating")
     there = [robot.entity for robot in scene.robots if robot.entity not in refused]
     if not there:
         return
     window = max(1, round(scene.window / scene.step))
     count = max(1, round(scene.seconds / scene.step) - window)
-    _advance(server, process, count)
+    _advance(server, process, count, count)
     before = {entity: server.state(entity) for entity in there}
-    _advance(server, process, window)
+    _advance(server, process, window, count + window)
     for entity in there:
         first, end = before[entity], server.state(entity)
         if first is None or end is None:
-            refused[entity] = "The model disappeared while it was simulated."
+            refused[entity] = "the model disappeared while it was simulated"
+        elif not end.links:
+            refused[entity] = "it has no link there"
         else:
             runs[entity] = GazeboRun(before=first, end=end)
 
 
-def _advance(server: _Server, process: subprocess.Popen[bytes], count: int) -> None:
-    """Simulate so many steps, however long they take, as long as it goes on."""
-    last = server.iterations()
-    target = last + count
+def _advance(server: _Server, process: subprocess.Popen[bytes], count: int, target: int) -> None:
+    """Simulate so many steps, up to a number of them, however long it takes while it goes on."""
+    last = target - count
     server.step(count)
     since = time.monotonic()
     while last < target:
@@ -241,7 +255,7 @@ class _Classic:
             *(f"--pose-x={x!r}", f"--pose-y={y!r}", f"--pose-z={z!r}"),
             *(f"--pose-R={roll!r}", f"--pose-P={pitch!r}", f"--pose-Y={yaw!r}"),
         )
-        return "\n".join(line for line in _lines(said) if "rror" in line)
+        return "\n".join(line for line in _lines(said) if _REFUSALS.search(line))
 
     def state(self, entity: str) -> ModelState | None:
         message = read_message(self._gz("model", "-m", entity, "-i"))
@@ -252,6 +266,7 @@ class _Classic:
         links = _all(message, "link")
         joints = [one for one in _all(message, "joint") if first(one, "type") != "FIXED"]
         return ModelState(
+            pose=at,
             links={
                 str(first(link, "name"))[names:]: compose(at, _pose(first(link, "pose")))
                 for link in links
@@ -311,7 +326,10 @@ class _Sim:
             f"sdf_filename: {file}, name: {name}, pose: {{position: {{{place}}}, "
             f"orientation: {{x: {x!r}, y: {y!r}, z: {z!r}, w: {w!r}}}}}",
         )
-        return "" if "data: true" in said else "\n".join(_lines(said)) or "No answer."
+        if "data: true" in said:
+            return ""
+        lines = [line for line in _lines(said) if not line.startswith("data:")]
+        return "\n".join(lines) or "its service does not create it"
 
     def state(self, entity: str) -> ModelState | None:
         return read_model(self._gz("model", "-m", entity))
@@ -408,6 +426,7 @@ def read_model(text: str) -> ModelState | None:
     at = _pose_of(models[0][2])
     links = [one for one in parts if one[0] == "Link"]
     return ModelState(
+        pose=at,
         links={values["Name"]: compose(at, _pose_of(rows)) for _, values, rows in links},
         mass=sum(float(values.get("Mass (kg)", "0")) for _, values, _ in links),
         movable_joints=sum(

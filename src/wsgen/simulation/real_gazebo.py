@@ -46,7 +46,6 @@ class ToSpawn:
     """A robot to be spawned, or a model that the world already has."""
 
     entity: str
-    root: str  # the link whose frame is the robot's
     file: Path | None = None  # URDF or SDF, not lumped; None: it is in the world
     pose: Pose = IDENTITY  # in the world
 
@@ -68,7 +67,8 @@ class GazeboScene:
 class ModelState:
     """A model in the server."""
 
-    links: Mapping[str, Pose]  # in the world, by name
+    pose: Pose  # in the world
+    links: Mapping[str, Pose]  # likewise, by name
     mass: float  # kg
     movable_joints: int
     joint_positions: Mapping[str, float]  # rad or m; those that the server says
