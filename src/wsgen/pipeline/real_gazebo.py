@@ -9,13 +9,13 @@ import math
 import os
 import re
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Severity
 from wsgen.errors import NotFoundError
+from wsgen.gazebo.plugins import CLASSIC, SIM, SIMULATOR_NAMES
 from wsgen.isolation.codec import decode
 from wsgen.isolation.result import Died, Limits
-from wsgen.model.gazebo_plugins import CLASSIC, SIM, SIMULATOR_NAMES
 from wsgen.model.kinematics import link_poses
 from wsgen.model.transform import Pose, multiply, rotation_of_rpy, transpose
 from wsgen.pipeline.engines import ENGINE_LEFT_OUT
@@ -26,7 +26,7 @@ from wsgen.simulation.run import ENGINE_DIED, ENGINE_REFUSED, ENGINE_WARNING
 from wsgen.simulation.scene import RobotRun
 from wsgen.simulation.simulate import REST_HELD, REST_JOINT_SPEED, REST_SPEED, REST_TURNING
 from wsgen.simulation.surfaces import UnreadError, lowest_points
-from wsgen.values import NamedTuple, lazy_pattern
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
