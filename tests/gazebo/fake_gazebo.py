@@ -3,7 +3,8 @@
 
 The texts are those that Gazebo Classic 11.1 printed, and that the documentation of gz-sim shows.
 Its name says which program it is; FAKE_GAZEBO is the folder of the file, FAKE_GAZEBO_MODE what it
-does: "sinks" (all models), "refuses" (to spawn), "crashes" or "hangs" (when it is to simulate).
+does: "loses" (what it is first asked to spawn), "sinks" (all models), "refuses"
+(to spawn), "crashes" or "hangs" (when it is to simulate).
 """
 
 import json
@@ -44,6 +45,9 @@ def spawn(file: str, name: str, pose: list[float]) -> bool:
         print("Error Code 19: Msg: a reason")
         return False
     assert Path(file).exists()
+    if MODE == "loses" and not state.get("lost"):
+        write({**state, "lost": True})
+        return True
     z = pose[2] - (0.2 if MODE == "sinks" else 0.0)
     write({**state, "models": {**state["models"], name: [*pose[:2], z]}})
     return True

@@ -143,6 +143,12 @@ def test_a_server_that_crashes(kind: str, installed: Any, tmp_path: Path) -> Non
 
 
 @pytest.mark.slow
+def test_a_message_that_is_lost_is_sent_again(installed: Any, tmp_path: Path) -> None:
+    code, package, _ = validate(tmp_path, installed("classic", "loses"), "--engine", "gazebo")
+    assert (code, in_gazebo(package)["passed"]) == (0, True)
+
+
+@pytest.mark.slow
 def test_all_engines_take_it_where_it_is_installed(installed: Any, tmp_path: Path) -> None:
     environment = installed("gz")
     _, package, _ = validate(tmp_path, environment, "--engine", "all")

@@ -39,7 +39,8 @@ if TYPE_CHECKING:
 
 # Wall-clock, generous: a world may download models, and a machine may be busy.
 SECONDS_TO_START = 600.0
-SECONDS_TO_SPAWN = 60.0
+SECONDS_TO_SPAWN = 20.0
+TIMES_TO_SPAWN = 4
 SECONDS_AFTER_ERROR = 10.0
 SECONDS_WITHOUT_STEP = 120.0
 SECONDS_TO_ANSWER = 60.0
@@ -131,13 +132,7 @@ def _simulate(  # noqa: PLR0913  the server, and what is filled in
     for robot in scene.robots:
         announce(LOADING.format(entity=robot.entity))
         printed = os.fstat(log).st_size
-        said = server.spawn(robot) if robot.file is not None else ""
-        seconds = SECONDS_AFTER_ERROR if said else SECONDS_TO_SPAWN
-
-        def is_there(entity: str = robot.entity) -> bool:
-            return server.state(entity) is not None
-
-        is_spawned = _wait(is_there, process, seconds)
+        said, is_spawned = _spawn(server, process, robot)
         lines = os.fsdecode(os.pread(log, MOST_READ, printed))
         if not is_spawned:
             refused[robot.entity] = said
@@ -151,10 +146,10 @@ def _simulate(  # noqa: PLR0913  the server, and what is filled in
     window = max(1, round(scene.window / scene.step))
     count = max(1, round(scene.seconds / scene.step) - window)
     _advance(server, process, count, count)
-    before = {entity: server.state(entity) for entity in there}
+    before = {entity: _look(server, process, entity) for entity in there}
     _advance(server, process, window, count + window)
     for entity in there:
-        first, end = before[entity], server.state(entity)
+        first, end = before[entity], _look(server, process, entity)
         if first is None or end is None:
             refused[entity] = "the model disappeared while it was simulated"
         elif not end.links:
@@ -163,16 +158,45 @@ def _simulate(  # noqa: PLR0913  the server, and what is filled in
             runs[entity] = GazeboRun(before=first, end=end)
 
 
+def _look(server: _Server, process: subprocess.Popen[bytes], entity: str) -> ModelState | None:
+    """A model that was there before; asked again, as a tool of Classic may crash."""
+    found: list[ModelState] = []
+
+    def is_seen() -> bool:
+        found.extend(filter(None, [server.state(entity)]))
+        return bool(found)
+
+    _wait(is_seen, process, SECONDS_AFTER_ERROR)
+    return found[0] if found else None
+
+
+def _spawn(server: _Server, process: subprocess.Popen[bytes], robot: ToSpawn) -> tuple[str, bool]:
+    """What was printed of a robot that is to be spawned, and whether it is there.
+
+    A tool of Classic may crash, or its message be lost while the server is busy: it is sent again.
+    """
+    for _ in range(TIMES_TO_SPAWN if robot.file is not None else 1):
+        said = server.spawn(robot) if robot.file is not None else ""
+        seconds = SECONDS_AFTER_ERROR if said else SECONDS_TO_SPAWN
+        is_there = _wait(lambda: server.state(robot.entity) is not None, process, seconds)
+        if said or is_there:
+            break
+    return said, is_there
+
+
 def _advance(server: _Server, process: subprocess.Popen[bytes], count: int, target: int) -> None:
     """Simulate so many steps, up to a number of them, however long it takes while it goes on."""
     last = target - count
     server.step(count)
-    since = time.monotonic()
+    since = asked = time.monotonic()
     while last < target:
         _check(process)
         now = server.iterations()
         if now > last:
             last, since = now, time.monotonic()
+        elif last == target - count and time.monotonic() - asked > SECONDS_TO_SPAWN:
+            server.step(count)  # it may have been lost
+            asked = time.monotonic()
         elif time.monotonic() - since > SECONDS_WITHOUT_STEP:
             raise EndedError(f"has not simulated a step for {SECONDS_WITHOUT_STEP:.0f} s")
         time.sleep(PAUSE)
