@@ -18,10 +18,10 @@ import time
 from pathlib import Path
 from textwrap import dedent
 
+from wsgen.packages.workspace.layout import Workspace
+from wsgen.packages.workspace.overlay import source_overlay
 from wsgen.pipeline.requests import ValidateRequest
 from wsgen.pipeline.selection import select_packages
-from wsgen.workspace.layout import Workspace
-from wsgen.workspace.overlay import source_overlay
 
 WSGEN = str(Path(sys.executable).with_name("wsgen"))
 ROBOTS = 10

@@ -17,15 +17,15 @@ import time
 from pathlib import Path
 from typing import NamedTuple
 
+from wsgen.descriptions.urdf.devices import read_devices
+from wsgen.descriptions.urdf.lumping import lump
+from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.isolation.codec import encode
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
-from wsgen.ros_environment import open_ros
+from wsgen.ros.environment import open_ros
 from wsgen.simulation.live_scene import FOLDER_VARIABLE, SCENE_FILE, LiveScene, socket_path
 from wsgen.simulation.scene import Scene, SpawnedRobot
-from wsgen.urdf.devices import read_devices
-from wsgen.urdf.lumping import lump
-from wsgen.urdf.reader import read_urdf
 
 LEAST, MOST_OF_A_CORE, EXACT = 4.0, 1 / 3, 0.01  # what live runs must reach
 SECONDS = 60.0
@@ -148,7 +148,7 @@ def measure(variables: dict[str, str], python: str, rate: float | None, seconds:
             [python, "-c", LISTENER], env=variables, stdout=subprocess.PIPE, text=True
         )
         time.sleep(3.0)  # until it listens
-        simulator = subprocess.Popen([python, "-m", "wsgen.ros_nodes.simulator"], env=variables)
+        simulator = subprocess.Popen([python, "-m", "wsgen.live.nodes.simulator"], env=variables)
         while not socket_path(folder).exists():
             time.sleep(0.01)
         begun, before = time.perf_counter(), _cpu_of(simulator.pid)

@@ -21,6 +21,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.packages.workspace.layout import workspace_around
 from wsgen.pipeline.run_robots import spawned_robots
 from wsgen.simulation.bullet import BulletEngine
 from wsgen.simulation.bullet_body import HIGHEST_JOINT_SPEED
@@ -29,7 +30,6 @@ from wsgen.simulation.simulate import spawn_robots
 from wsgen.simulation.urdf_writer import write_urdf
 from wsgen.sweeping.subject import SubjectRequest
 from wsgen.sweeping.subjects import open_subject
-from wsgen.workspace.layout import workspace_around
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -6,8 +6,8 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wsgen.sdf.lookup import model_finder
-from wsgen.sdf.models import read_sdf
+from wsgen.descriptions.sdf.lookup import model_finder
+from wsgen.descriptions.sdf.models import read_sdf
 
 if TYPE_CHECKING:
     from collections.abc import Callable

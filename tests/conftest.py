@@ -15,7 +15,7 @@ from own_network import why_refused
 from ros_for_tests import network_of_ros, ros
 from wsgen.isolation import channel, result, system
 from wsgen.isolation.parent import Process
-from wsgen.launch import plain_child
+from wsgen.launching import plain_child
 
 if sys.platform == "linux":
     import resource

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import forks
 from build import forked_colcon
-from wsgen.build import colcon
+from wsgen.building import colcon
 from wsgen.isolation import system
 from wsgen.isolation.forked import ENDING, ForkedProcess
 
@@ -28,7 +28,7 @@ OWN = frozenset({"wsgen", "forks", "build"})  # what that interpreter imports it
 
 
 class ColconOfThisProcess(forked_colcon.ForkedColcon):
-    """What `wsgen.build.colcon` uses of `subprocess.Popen`."""
+    """What `wsgen.building.colcon` uses of `subprocess.Popen`."""
 
     @staticmethod
     def _fork(order: dict[str, Any], files: list[int]) -> ForkedProcess:

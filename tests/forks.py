@@ -26,9 +26,9 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from wsgen.files import forget_remembered
 from wsgen.isolation import child, parent, system
-from wsgen.launch.plain_child import FOREIGN
+from wsgen.launching.plain_child import FOREIGN
+from wsgen.text.files import forget_remembered
 
 if sys.platform == "linux":
     import fcntl

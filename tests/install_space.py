@@ -7,7 +7,7 @@ from textwrap import dedent
 from typing import TYPE_CHECKING, Any
 
 from wsgen.isolation.parent import Limits
-from wsgen.launch.evaluate import evaluate
+from wsgen.launching.evaluate import evaluate
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.alike import summed_up
 from wsgen.diagnostics import Diagnostic, Rule, Severity
+from wsgen.model.alike import summed_up
 
 RULE = Rule(
     code="ROB999",

@@ -13,22 +13,22 @@ SOURCE = ROOT / "src" / "wsgen"
 # One module each; xacro's and colcon's doors lie deeper than one import.
 FOREIGN = {
     "pybullet": "simulation/bullet.py",
-    "trimesh": "meshes/worker.py",
-    "shapely": "meshes/shape_worker.py",
+    "trimesh": "descriptions/meshes/worker.py",
+    "shapely": "descriptions/meshes/shape_worker.py",
     "dartpy": "simulation/dart.py",
     "mujoco": "simulation/mujoco_body.py",
-    "mcap": "ros_nodes/mcap_recording.py",
-    "distributed": "executors/dask_cluster.py",
+    "mcap": "live/nodes/mcap_recording.py",
+    "distributed": "sweeping/executors/dask_cluster.py",
     "av": "rendering/video_encoder.py",
     "pyarrow": "sweeping/parquet.py",
     "matplotlib": "sweeping/plots.py",
     "scipy": "sweeping/space_filling.py",
-    "viser": "viewing/page.py",
-    "websockets": "viewing/page.py",
-    "xacro": "xacro/expansion.py",
+    "viser": "reporting/viewing/page.py",
+    "websockets": "reporting/viewing/page.py",
+    "xacro": "descriptions/xacro/expansion.py",
     "jinja2": "templating/environment.py",
-    "catkin_pkg": "workspace/package_xml.py",
-    "lxml": "xmltree.py",
+    "catkin_pkg": "packages/workspace/package_xml.py",
+    "lxml": "text/xmltree.py",
 }
 
 
@@ -75,3 +75,14 @@ def test_only_the_command_line_imports_click_and_rich() -> None:
         if line.strip().startswith(("import click", "from click", "import rich", "from rich"))
     }
     assert users == {"cli"}
+
+
+def test_what_starts_nodes_and_nodes_do_not_import_each_other() -> None:
+    """They are processes apart: one of ROS may have another Python than the one that starts it."""
+    folder = SOURCE / "live"
+    for file in folder.rglob("*.py"):
+        is_node = file.is_relative_to(folder / "nodes")
+        other = (
+            r"from wsgen\.live(\.(?!nodes\b)| import)" if is_node else r"from wsgen\.live\.nodes"
+        )
+        assert re.search(other, file.read_text(encoding="utf-8")) is None, file

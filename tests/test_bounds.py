@@ -15,15 +15,15 @@ import pytest
 
 from install_space import InstallSpace
 from templating.broken_templates import spec_for
+from wsgen.checks.rules.bodies import IMPLAUSIBLE_DENSITY
 from wsgen.isolation.fork_server import ForkServer
 from wsgen.model.target import TARGETS
+from wsgen.packages.workspace.overlay import Overlay
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
-from wsgen.rules.bodies import IMPLAUSIBLE_DENSITY
 from wsgen.simulation.run import default_engine
 from wsgen.templating.render import render_package
 from wsgen.templating.template import load_template
-from wsgen.workspace.overlay import Overlay
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

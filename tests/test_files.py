@@ -13,9 +13,9 @@ from pathlib import Path
 
 import pytest
 
-from wsgen import files
 from wsgen.errors import NotReadableError
-from wsgen.files import (
+from wsgen.text import files
+from wsgen.text.files import (
     explain_write_error,
     mount_point,
     read_regular,
@@ -75,7 +75,7 @@ def test_a_link_stays_a_link_and_a_file_keeps_its_mode(tmp_path: Path) -> None:
 KILLED = """
 import os, signal, sys
 from pathlib import Path
-from wsgen.files import replace_file
+from wsgen.text.files import replace_file
 
 with replace_file(Path(sys.argv[1])) as stream:
     stream.write(b"new")
@@ -100,7 +100,7 @@ def test_who_is_killed_leaves_nothing(tmp_path: Path) -> None:
 def test_a_file_system_where_files_have_names(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("wsgen.files.OPEN_FILES", str(tmp_path / "no such folder"))
+    monkeypatch.setattr("wsgen.text.files.OPEN_FILES", str(tmp_path / "no such folder"))
     write_file(tmp_path / "a.txt", "new")
     assert [(one.name, one.read_text()) for one in tmp_path.iterdir()] == [("a.txt", "new")]
 

@@ -14,9 +14,9 @@ MANIFEST = """<package format="3">
 PROGRAM = """
 import gc, sys
 from pathlib import Path
-from wsgen import xmltree
-from wsgen.markup import elements
-from wsgen.workspace.manifest import read_manifest
+from wsgen.text import xmltree
+from wsgen.text.markup import elements
+from wsgen.packages.workspace.manifest import read_manifest
 
 gc.disable()
 file = Path(sys.argv[1])

@@ -21,7 +21,7 @@ from wsgen.live import domains
 from wsgen.live.domains import FIRST_PORT, LOCK, PORTS
 
 if TYPE_CHECKING:
-    from wsgen.ros_environment import RosEnvironment
+    from wsgen.ros.environment import RosEnvironment
 
 INTERFACES = "import socket; print([name for _, name in socket.if_nameindex()])"
 # A node that hears what another process publishes, and tells the interfaces that it had.

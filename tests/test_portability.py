@@ -12,9 +12,9 @@ import pytest
 
 from test_architecture import SOURCE
 from windows_like import ModuleOnWindows, make_interpreter
-from wsgen.launch import known_packages
-from wsgen.meshes.lookup import Missing, locate
-from wsgen.source_shares import name_sources, serve_sources
+from wsgen.descriptions.meshes.lookup import Missing, locate
+from wsgen.launching import known_packages
+from wsgen.packages.source_shares import name_sources, serve_sources
 
 # They import what only Linux has, and are imported only there.
 LINUX_ONLY = {
@@ -29,14 +29,14 @@ LINUX_ONLY = {
 # Scripts, which read a request, and what is on the path of certain children alone.
 NO_MODULES = (
     "wsgen.isolation.bootstrap",
-    "wsgen.build.colcon_child",
-    "wsgen.launch_shim",
-    "wsgen.launch.ros_packages",
-    "wsgen.launch.moveit_configs",  # of the same child
+    "wsgen.building.colcon_child",
+    "wsgen.launching.shim",
+    "wsgen.launching.ros_packages",
+    "wsgen.launching.moveit_configs",  # of the same child
     # Processes of ROS, which has no wheels for Windows.
-    "wsgen.ros_nodes",
-    "wsgen.ros_shim",
-    "wsgen.ros_start",
+    "wsgen.live.nodes",
+    "wsgen.ros.shim",
+    "wsgen.ros.start",
 )
 
 IMPORT = """
@@ -226,5 +226,5 @@ def test_addresses_of_files_with_drives(tmp_path: Path, monkeypatch: pytest.Monk
         return locate("file:///C:/box.stl", lambda _: None, tmp_path)
 
     assert isinstance(found(), Missing)
-    monkeypatch.setattr("wsgen.files.os", ModuleOnWindows(os))
+    monkeypatch.setattr("wsgen.text.files.os", ModuleOnWindows(os))
     assert found() == tmp_path / "C:" / "box.stl"

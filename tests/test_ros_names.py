@@ -1,6 +1,6 @@
 """The names that ROS 2 knows."""
 
-from wsgen.ros_names import is_released, released_packages, rosdep_keys
+from wsgen.ros.names import is_released, released_packages, rosdep_keys
 
 
 def test_packages_have_the_distributions_that_they_are_released_for() -> None:

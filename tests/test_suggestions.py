@@ -1,6 +1,6 @@
 """The name that was meant is asked for in the same words everywhere."""
 
-from wsgen import suggestions
+from wsgen.text import suggestions
 
 
 def test_a_word_is_never_taken_for_itself() -> None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen import tomlfile
+from wsgen.text import tomlfile
 
 if TYPE_CHECKING:
     from pathlib import Path

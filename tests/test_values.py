@@ -14,9 +14,9 @@ import pytest
 if TYPE_CHECKING:
     from dataclasses import dataclass
 else:
-    from wsgen.values import dataclass
+    from wsgen.text.values import dataclass
 
-from wsgen.values import lazy_pattern
+from wsgen.text.values import lazy_pattern
 
 
 @dataclass(frozen=True, kw_only=True)

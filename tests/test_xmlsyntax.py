@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from wsgen import markup, xmlsyntax, xmltree
-from wsgen.xmlsyntax import DEEPEST, MOST_ATTRIBUTES, find_excess, find_mistake
+from wsgen.text import markup, xmlsyntax, xmltree
+from wsgen.text.xmlsyntax import DEEPEST, MOST_ATTRIBUTES, find_excess, find_mistake
 
 
 def with_attributes(number: int) -> bytes:

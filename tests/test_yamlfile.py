@@ -4,7 +4,15 @@ from pathlib import Path
 
 import yaml
 
-from wsgen.yamlfile import MOST_VALUES, NotYaml, Value, load, load_parameters, merge_repeated, parse
+from wsgen.text.yamlfile import (
+    MOST_VALUES,
+    NotYaml,
+    Value,
+    load,
+    load_parameters,
+    merge_repeated,
+    parse,
+)
 
 TEXT = """\
 controller_manager:

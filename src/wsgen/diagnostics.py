@@ -6,8 +6,8 @@ from enum import Enum
 from pathlib import Path  # noqa: TC003  a child's diagnostics are decoded by their type hints
 from typing import TYPE_CHECKING
 
-from wsgen.printable import clean_line
-from wsgen.values import dataclass
+from wsgen.text.printable import clean_line
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -55,7 +55,7 @@ class Rule:
     """A kind of diagnostic; a constant of the module that checks it.
 
     `wsgen rule` and docs/rules.md show what it says of itself, as Markdown; `example` and `instead`
-    are code of a user, or what a user does. `wsgen.rules.catalogue` collects all rules.
+    are code of a user, or what a user does. `wsgen.checks.rules.catalogue` collects all rules.
     """
 
     code: str  # a family (PKG, BLD, ROB, WLD, LCH, SPN, TPL) and a number

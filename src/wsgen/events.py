@@ -11,7 +11,7 @@ import contextlib
 import threading
 from collections.abc import Callable
 
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,9 +7,9 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-from wsgen.build.run import BuildResult, build
+from wsgen.building.run import BuildResult, build
 from wsgen.events import Event
-from wsgen.workspace.layout import Workspace
+from wsgen.packages.workspace.layout import Workspace
 
 COLCON = Path(sys.executable).with_name("colcon")
 

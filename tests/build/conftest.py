@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.build import colcon
+from wsgen.building import colcon
 from wsgen.isolation import system
 
 if TYPE_CHECKING:

@@ -50,7 +50,7 @@ def _server() -> Server:
 
 
 class ForkedColcon:
-    """What `wsgen.build.colcon` uses of `subprocess.Popen`."""
+    """What `wsgen.building.colcon` uses of `subprocess.Popen`."""
 
     def __init__(
         self,

@@ -5,17 +5,17 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.build.request import (
+from wsgen.building.request import (
     PYTHON_EXTENSIONS,
     TOOLCHAIN_EXTENSION,
     block_extensions,
     blocked_extensions,
     build_arguments,
 )
-from wsgen.build.source_packages import (
+from wsgen.building.source_packages import (
     WITHOUT_TESTS,
 )
-from wsgen.workspace.layout import Inventory, Workspace
+from wsgen.packages.workspace.layout import Inventory, Workspace
 
 
 def test_the_user_s_arguments_stay_together() -> None:

@@ -307,8 +307,8 @@ TICK = (
 BUILD_SCRIPT = """
 import os
 from pathlib import Path
-from wsgen.build.run import build
-from wsgen.workspace.layout import Workspace
+from wsgen.building.run import build
+from wsgen.packages.workspace.layout import Workspace
 try:
     build(Workspace(root=Path({root!r})), environment=os.environ)
 except KeyboardInterrupt:

@@ -4,8 +4,8 @@ from collections.abc import Collection
 from pathlib import Path
 
 from build.building import CMAKE, write_package
-from wsgen.build.explain import explain
-from wsgen.build.failure import Failure
+from wsgen.building.explain import explain
+from wsgen.building.failure import Failure
 from wsgen.diagnostics import Diagnostic
 
 POLICY = """\

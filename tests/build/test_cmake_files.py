@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.build.failure import fold_details, read_errors, split_deprecations
-from wsgen.build_files.cmake_text import read_calls
+from wsgen.building.failure import fold_details, read_errors, split_deprecations
+from wsgen.packages.build_files.cmake_text import read_calls
 
 TEXT = """\
 # find_package(commented REQUIRED)

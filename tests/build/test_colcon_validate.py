@@ -16,8 +16,8 @@ import pytest
 
 from build.building import COLCON, PACKAGE_XML
 from cli.packages import wsgen
-from wsgen.build import colcon_validate
-from wsgen.build.colcon_validate import ENGINES, RESULT, Result, ValidateTask, read_result
+from wsgen.building import colcon_validate
+from wsgen.building.colcon_validate import ENGINES, RESULT, Result, ValidateTask, read_result
 from wsgen.cli.validate import command
 
 
@@ -140,7 +140,7 @@ def test_packages_elsewhere_and_another_install_space(workspace: Path, tmp_path:
 
 def test_the_verb_is_registered() -> None:
     found = entry_points(group="colcon_core.verb", name="validate")
-    assert [one.value for one in found] == ["wsgen.build.colcon_verb:ValidateVerb"], (
+    assert [one.value for one in found] == ["wsgen.building.colcon_verb:ValidateVerb"], (
         "install wsgen again: its entry points have changed"
     )
 
@@ -150,15 +150,15 @@ def test_colcon_loads_next_to_nothing_for_other_verbs() -> None:
     code = dedent(
         """
         import sys
-        import colcon_core.verb, colcon_core.plugin_system, wsgen.build
+        import colcon_core.verb, colcon_core.plugin_system, wsgen.building
         before = set(sys.modules)
-        import wsgen.build.colcon_verb
-        wsgen.build.colcon_verb.ValidateVerb()
+        import wsgen.building.colcon_verb
+        wsgen.building.colcon_verb.ValidateVerb()
         print(*sorted(set(sys.modules) - before))
         """
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert run.stdout.split() == ["wsgen.build.colcon_verb"]
+    assert run.stdout.split() == ["wsgen.building.colcon_verb"]
 
 
 def test_the_engines_are_those_of_wsgen() -> None:

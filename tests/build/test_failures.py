@@ -19,15 +19,15 @@ from build.building import (
     plain_colcon,
     write_package,
 )
-from wsgen.build.colcon import Finished
-from wsgen.build.explain import explain, explain_colcon, refuse_full_disk
-from wsgen.build.failure import Failure
-from wsgen.build.run import BuildResult
-from wsgen.build_files.facts import read_build_facts
+from wsgen.building.colcon import Finished
+from wsgen.building.explain import explain, explain_colcon, refuse_full_disk
+from wsgen.building.failure import Failure
+from wsgen.building.run import BuildResult
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.errors import NotReadableError
 from wsgen.events import Event, OutputLine
-from wsgen.workspace.layout import Workspace
+from wsgen.packages.build_files.facts import read_build_facts
+from wsgen.packages.workspace.layout import Workspace
 
 pytestmark = pytest.mark.slow
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from build.building import CMAKE, build_here, write_package
-from wsgen.build.run import BuildResult
+from wsgen.building.run import BuildResult
 from wsgen.diagnostics import Diagnostic, Severity
 
 pytestmark = pytest.mark.slow

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from build.building import PACKAGE_XML, write_package
-from wsgen.build.last_build import explain_builds, failed_builds, needed_by
+from wsgen.building.last_build import explain_builds, failed_builds, needed_by
 from wsgen.diagnostics import Diagnostic
-from wsgen.workspace.layout import Workspace, find_packages
+from wsgen.packages.workspace.layout import Workspace, find_packages
 
 MISSING = """\
 CMake Error at cmake_install.cmake:46 (file):

@@ -8,8 +8,8 @@ import pytest
 
 from build.building import build_here
 from kind_workspaces import WORKSPACES
-from wsgen.build.explain import explain
-from wsgen.build.failure import Failure
+from wsgen.building.explain import explain
+from wsgen.building.failure import Failure
 from wsgen.diagnostics import Diagnostic
 
 NAME = "beetle_bringup"

@@ -8,10 +8,10 @@ import pytest
 
 from build.building import build_here
 from kind_workspaces import WORKSPACES
-from wsgen.build.python_installed import check_python_packages, without_warnings
-from wsgen.build.run import BuildResult
+from wsgen.building.python_installed import check_python_packages, without_warnings
+from wsgen.building.run import BuildResult
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.workspace.layout import Workspace, read_package
+from wsgen.packages.workspace.layout import Workspace, read_package
 
 NAME = "beetle_bringup"
 

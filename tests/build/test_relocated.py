@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wsgen.build.installed import find_relocated
-from wsgen.workspace.layout import PackageFolder, Workspace
+from wsgen.building.installed import find_relocated
+from wsgen.packages.workspace.layout import PackageFolder, Workspace
 
 if TYPE_CHECKING:
     from pathlib import Path

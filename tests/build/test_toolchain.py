@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from build.building import SHELL_PROGRAMS, link_programs, outside
-from wsgen.build.toolchain import (
+from wsgen.building.toolchain import (
     AMENT_CMAKE,
     FETCHED,
     ROS_PREFIX,

@@ -17,13 +17,13 @@ from build.building import (
     outside,
     write_package,
 )
-from wsgen.build.without_ros import LAST_ARGUMENTS, LEFT_OUT, configure_again
+from wsgen.building.without_ros import LAST_ARGUMENTS, LEFT_OUT, configure_again
 from wsgen.diagnostics import Severity
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from wsgen.build.run import BuildResult
+    from wsgen.building.run import BuildResult
 
 pytestmark = pytest.mark.slow
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from build.building import PACKAGE_XML, build_here
-from wsgen.build_files.facts import read_build_facts
-from wsgen.workspace.manifest import Manifest, read_manifest
+from wsgen.packages.build_files.facts import read_build_facts
+from wsgen.packages.workspace.manifest import Manifest, read_manifest
 
 WORKSPACES = Path(__file__).parents[1] / "workspaces"
 # What ament and colcon make, each for its own use.

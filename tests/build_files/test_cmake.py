@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.build_files.cmake_text import parse
-from wsgen.build_files.facts import read_build_facts
+from wsgen.packages.build_files.cmake_text import parse
+from wsgen.packages.build_files.facts import read_build_facts
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.build_files.cmake_checks import check_for_distro
-from wsgen.build_files.facts import read_build_facts
-from wsgen.build_files.install_checks import is_misplaced
 from wsgen.diagnostics import Severity
+from wsgen.packages.build_files.cmake_checks import check_for_distro
+from wsgen.packages.build_files.facts import read_build_facts
+from wsgen.packages.build_files.install_checks import is_misplaced
 
 START = "cmake_minimum_required(VERSION 3.8)\nproject(bot)\nfind_package(ament_cmake REQUIRED)\n"
 INSTALL = "install(DIRECTORY launch urdf DESTINATION share/${PROJECT_NAME})\n"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from build_files.test_cmake import BOTH, read, shared
-from wsgen.build_files.cmake_regex import compiled, replace, search
+from wsgen.packages.build_files.cmake_regex import compiled, replace, search
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.build_files.facts import read_build_facts
+from wsgen.packages.build_files.facts import read_build_facts
 
 if TYPE_CHECKING:
     from pathlib import Path

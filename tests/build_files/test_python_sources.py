@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.build_files import python_sources
-from wsgen.build_files.facts import read_build_facts
-from wsgen.build_files.python_sources import check_python_syntax
+from wsgen.packages.build_files import python_sources
+from wsgen.packages.build_files.facts import read_build_facts
+from wsgen.packages.build_files.python_sources import check_python_syntax
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -14,10 +14,10 @@ import xacro
 
 from classic.gazebo_classic import EndedError, GazeboClassic, recorded_in, why_missing
 from public_robots import ROBOTS, find_robot
+from wsgen.descriptions.urdf.lumping import lump
+from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.diagnostics import Severity
 from wsgen.pipeline.prepare import for_simulator
-from wsgen.urdf.lumping import lump
-from wsgen.urdf.reader import read_urdf
 
 if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic

@@ -19,11 +19,11 @@ from classic.gazebo_classic import GazeboClassic, recorded_in, why_missing
 from classic.joint_cases import bar, dynamics, lift, limit
 from simulation.conftest import CLASSES
 from simulation.robots import VOID, spawned
-from wsgen.ros_nodes.simulator.pid import Gains, GzPid
+from wsgen.descriptions.urdf.lumping import lump
+from wsgen.descriptions.urdf.reader import read_urdf
+from wsgen.live.nodes.simulator.pid import Gains, GzPid
 from wsgen.simulation.controllers import effort_in_classic
 from wsgen.simulation.run import MODULES, missing_engines
-from wsgen.urdf.lumping import lump
-from wsgen.urdf.reader import read_urdf
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -22,6 +22,9 @@ import xacro
 from classic.gazebo_classic import GazeboClassic, recorded_in, why_missing
 from classic.rovers import ROVERS
 from simulation.conftest import CLASSES
+from wsgen.descriptions.urdf.diff_drive import NoDrive, find_diff_drive
+from wsgen.descriptions.urdf.lumping import lump
+from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.model.behavior import Drive
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
@@ -29,9 +32,6 @@ from wsgen.simulation.controllers import UPDATE, DiffDriveController
 from wsgen.simulation.odometer import heading_of
 from wsgen.simulation.run import MODULES, missing_engines
 from wsgen.simulation.scene import SpawnedRobot
-from wsgen.urdf.diff_drive import NoDrive, find_diff_drive
-from wsgen.urdf.lumping import lump
-from wsgen.urdf.reader import read_urdf
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -20,10 +20,10 @@ from classic.gazebo_classic import GazeboClassic, recorded_in, why_missing
 from classic.joint_cases import CASES
 from simulation.conftest import CLASSES
 from simulation.robots import VOID, spawned
-from wsgen.rules.damping import unstable_damping
+from wsgen.checks.rules.damping import unstable_damping
+from wsgen.descriptions.urdf.lumping import lump
+from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.simulation.run import MODULES, missing_engines
-from wsgen.urdf.lumping import lump
-from wsgen.urdf.reader import read_urdf
 
 if TYPE_CHECKING:
     from wsgen.model.robot import Robot

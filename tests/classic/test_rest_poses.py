@@ -25,8 +25,11 @@ from classic.still_lifes import STILL_LIFES, world_of
 from classic.test_classic_robots import read
 from public_robots import ROBOTS
 from simulation.conftest import CLASSES
+from wsgen.descriptions.meshes.lookup import find_meshes
+from wsgen.descriptions.sdf.models import read_sdf
+from wsgen.descriptions.urdf.lumping import lump
+from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.diagnostics import Severity
-from wsgen.meshes.lookup import find_meshes
 from wsgen.model.kinematics import link_poses
 from wsgen.model.robot import Mesh
 from wsgen.model.transform import (
@@ -39,12 +42,9 @@ from wsgen.model.transform import (
 )
 from wsgen.model.world import World
 from wsgen.pipeline.prepare import for_simulator
-from wsgen.sdf.models import read_sdf
 from wsgen.simulation.run import MODULES, missing_engines
 from wsgen.simulation.scene import SpawnedRobot
 from wsgen.simulation.surfaces import lowest_point
-from wsgen.urdf.lumping import lump
-from wsgen.urdf.reader import read_urdf
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

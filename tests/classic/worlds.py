@@ -8,7 +8,7 @@ from contextlib import closing
 from typing import TYPE_CHECKING, NamedTuple
 
 from simulation.conftest import CLASSES
-from wsgen.sdf.models import read_sdf
+from wsgen.descriptions.sdf.models import read_sdf
 from wsgen.simulation.run import MODULES, missing_engines
 from wsgen.simulation.scene import SpawnedRobot
 

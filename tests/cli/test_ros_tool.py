@@ -15,8 +15,8 @@ import wsgen.cli
 from build.building import PACKAGE_XML
 from test_start_up import loaded
 from wsgen.cli.ros_tool import _is_sourced
-from wsgen.ros_environment import RosEnvironment
-from wsgen.ros_environment.processes import handed_over
+from wsgen.ros.environment import RosEnvironment
+from wsgen.ros.environment.processes import handed_over
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -42,7 +42,7 @@ def asked(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
         seen["request"], seen["variables"] = json.loads(handed_over(command[-1])), variables
         raise ReplacedError
 
-    monkeypatch.setattr("wsgen.ros_environment.open_ros", open_ros)
+    monkeypatch.setattr("wsgen.ros.environment.open_ros", open_ros)
     monkeypatch.setattr(os, "execve", replace)
     monkeypatch.chdir(tmp_path)
 
@@ -61,7 +61,7 @@ def test_what_is_published(asked: Any) -> None:
     assert (options["values"], options["qos"]) == ("{x: 1}", {"depth": 3})
     assert seen["messages"] == ["my_msgs"]
     assert seen["variables"]["PYTHONPATH"].split(os.pathsep)[0] == "/ros"
-    assert seen["variables"]["PYTHONPATH"].endswith("ros_shim")
+    assert seen["variables"]["PYTHONPATH"].endswith("ros/shim")
 
 
 def test_a_large_message_is_no_argument(asked: Any) -> None:
@@ -111,7 +111,7 @@ def test_what_makes_no_sense(
 
 def test_help_needs_no_ros(tmp_path: Path) -> None:
     modules = loaded(tmp_path, "topic", "echo", "--help")
-    assert not modules & {"rclpy", "numpy", "yaml", "subprocess", "wsgen.ros_environment"}
+    assert not modules & {"rclpy", "numpy", "yaml", "subprocess", "wsgen.ros.environment"}
 
 
 @pytest.fixture

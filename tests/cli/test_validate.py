@@ -442,7 +442,7 @@ def test_the_browser_is_for_who_can_show_something_there(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(built)
-    monkeypatch.setattr("wsgen.viewing.viewer_library.LIBRARY", library)
+    monkeypatch.setattr("wsgen.reporting.viewing.viewer_library.LIBRARY", library)
     assert run(["validate"]) == 0
     line = f" wsgen launch {PACKAGE} gazebo_model.launch.py {options}  (starts its nodes"
     assert line in capsys.readouterr().err
@@ -464,7 +464,7 @@ def test_a_run_is_for_who_can_have_ros(
 ) -> None:
     monkeypatch.chdir(built)
     why_not = NotFoundError("No ROS.", hint=hint)
-    monkeypatch.setattr("wsgen.ros_environment.environment.why_no_ros", lambda _: why_not)
+    monkeypatch.setattr("wsgen.ros.environment.environment.why_no_ros", lambda _: why_not)
     assert run(["validate"]) == 0
     said = capsys.readouterr().err
     assert line in said if line else "--run" not in said

@@ -7,7 +7,7 @@ import pytest
 from build.building import write_package
 from wsgen.cli.words import launch_file_of
 from wsgen.errors import NotFoundError, RequestError
-from wsgen.workspace.layout import Workspace
+from wsgen.packages.workspace.layout import Workspace
 
 
 @pytest.mark.parametrize("inside", [".", "src/demo/launch"])

@@ -10,14 +10,14 @@ from pathlib import Path
 import pytest
 from packaging.requirements import Requirement as Dependency
 
-from wsgen.build.toolchain import SourcedRos, Wheels
+from wsgen.building.toolchain import SourcedRos, Wheels
 from wsgen.doctor import machine as machine_module
 from wsgen.doctor import report
 from wsgen.doctor.machine import Machine, Requirement, here, read_os_release
 from wsgen.doctor.report import DoctorReport, check_machine
 from wsgen.model.target import TARGETS, Target, choose_target
 from wsgen.simulation.run import MODULES
-from wsgen.tomlfile import load
+from wsgen.text.tomlfile import load
 
 TODAY = "2026-11-21"
 PROGRAMS = {"cmake": "/bin/cmake", "ninja": "/bin/ninja", "g++": "/bin/g++", "git": "/bin/git"}

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 from simulation.robots import body, single
 from sweeping.blueprints import blueprint, prepared
-from wsgen.executors import copied_files
-from wsgen.executors.copied_files import CopiedFiles
-from wsgen.executors.shared import named_as_before, relocated, share
 from wsgen.model.robot import Collision, Mesh
+from wsgen.sweeping.executors import copied_files
+from wsgen.sweeping.executors.copied_files import CopiedFiles
+from wsgen.sweeping.executors.shared import named_as_before, relocated, share
 
 if TYPE_CHECKING:
     import pytest

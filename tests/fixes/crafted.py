@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from wsgen.checks.fixes.plan import plan_fixes, write_fixes
+from wsgen.checks.rules.catalogue import find_rule
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.fixes.plan import plan_fixes, write_fixes
-from wsgen.rules.catalogue import find_rule
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from fixes.crafted import fixed
-from wsgen.build_files.cmake_checks import word_names
+from wsgen.packages.build_files.cmake_checks import word_names
 
 if TYPE_CHECKING:
     from pathlib import Path

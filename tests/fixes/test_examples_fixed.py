@@ -14,10 +14,10 @@ import pytest
 
 from planted_examples import PLANTS
 from planted_packages import check_all, complete, write
+from wsgen.checks.fixes.plan import plan_fixes, write_fixes
+from wsgen.checks.fixes.registry import FIXERS
+from wsgen.checks.rules.catalogue import all_rules
 from wsgen.diagnostics import Severity
-from wsgen.fixes.plan import plan_fixes, write_fixes
-from wsgen.fixes.registry import FIXERS
-from wsgen.rules.catalogue import all_rules
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

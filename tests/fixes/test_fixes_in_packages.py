@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 import wsgen.cli
-from wsgen.fixes.plan import plan_fixes, write_fixes
+from wsgen.checks.fixes.plan import plan_fixes, write_fixes
 from wsgen.pipeline.check import CheckRequest, check
 from wsgen.pipeline.reported import Filters, filter_outcome
 

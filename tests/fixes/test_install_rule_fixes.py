@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.build_files.facts import read_build_facts
-from wsgen.fixes.plan import plan_fixes, write_fixes
+from wsgen.checks.fixes.plan import plan_fixes, write_fixes
+from wsgen.packages.build_files.facts import read_build_facts
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 import pytest
 
 from fixes.crafted import fixed, report
-from wsgen.fixes.meant import is_surely
-from wsgen.fixes.plan import plan_fixes, unified_diff, write_fixes
-from wsgen.fixes.registry import FIXERS
-from wsgen.fixes.source import Edit, apply, overlap
-from wsgen.rules.catalogue import find_rule
-from wsgen.suggestions import suggested
+from wsgen.checks.fixes.meant import is_surely
+from wsgen.checks.fixes.plan import plan_fixes, unified_diff, write_fixes
+from wsgen.checks.fixes.registry import FIXERS
+from wsgen.checks.fixes.source import Edit, apply, overlap
+from wsgen.checks.rules.catalogue import find_rule
+from wsgen.text.suggestions import suggested
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.fixes.plan import plan_fixes, write_fixes
-from wsgen.sdf.models import read_sdf
-from wsgen.urdf.reader import read_urdf
+from wsgen.checks.fixes.plan import plan_fixes, write_fixes
+from wsgen.descriptions.sdf.models import read_sdf
+from wsgen.descriptions.urdf.reader import read_urdf
 
 if TYPE_CHECKING:
     from pathlib import Path

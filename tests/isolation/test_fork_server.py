@@ -239,7 +239,12 @@ def test_a_module_that_starts_threads_is_not_forked(fork_server: ForkServer, tas
 
 @pytest.mark.slow
 def test_the_modules_of_wsgen_start_no_threads(fork_server: ForkServer, task: Task) -> None:
-    for module in ("wsgen.tasks.bullet", "wsgen.tasks.launch", "numpy", "lxml.etree"):
+    for module in (
+        "wsgen.pipeline.tasks.bullet",
+        "wsgen.pipeline.tasks.launch",
+        "numpy",
+        "lxml.etree",
+    ):
         name = task(SERVER, before=f"import {module}")
         assert value(fork_server.run(name)) != os.getpid(), module
 

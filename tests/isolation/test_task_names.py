@@ -33,9 +33,9 @@ def task_names() -> list[str]:
 
 
 def test_the_names_are_found() -> None:
-    assert "wsgen.meshes.worker:inspect" in task_names()
-    assert "wsgen.tasks.launch:evaluate_launch" in task_names()
-    assert "wsgen.tasks.dart:simulate" in task_names()
+    assert "wsgen.descriptions.meshes.worker:inspect" in task_names()
+    assert "wsgen.pipeline.tasks.launch:evaluate_launch" in task_names()
+    assert "wsgen.pipeline.tasks.dart:simulate" in task_names()
 
 
 @pytest.mark.parametrize("name", task_names())

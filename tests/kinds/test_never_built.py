@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from kind_workspaces import KindOfWorkspace, copy_workspace
-from wsgen.workspace.layout import Workspace
-from wsgen.workspace.overlay import open_overlay
-from wsgen.xacro.reader import expand_file
+from wsgen.descriptions.xacro.reader import expand_file
+from wsgen.packages.workspace.layout import Workspace
+from wsgen.packages.workspace.overlay import open_overlay
 
 pytestmark = pytest.mark.slow
 

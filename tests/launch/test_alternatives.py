@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.launch.alternatives import MOST_TRIED, alternatives, with_assumed
-from wsgen.launch.evaluate import evaluate
+from wsgen.launching.alternatives import MOST_TRIED, alternatives, with_assumed
+from wsgen.launching.evaluate import evaluate
 
 if TYPE_CHECKING:
     from install_space import InstallSpace

@@ -23,9 +23,9 @@ from conformance import (
     lines,
     packages_of_cases,
 )
+from wsgen.checks.rules.catalogue import all_rules
 from wsgen.diagnostics import Severity
-from wsgen.launch import known_packages
-from wsgen.rules.catalogue import all_rules
+from wsgen.launching import known_packages
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 
 ROOT = Path(__file__).parents[2]
-SHIM = ROOT / "src" / "wsgen" / "launch_shim"
+SHIM = ROOT / "src" / "wsgen" / "launching" / "shim"
 
 # What differs from the original; everything else does not.
 PARTLY = {
@@ -106,7 +106,7 @@ def tags() -> str:
         "from launch.frontend.template import FORMS; "
         "print(json.dumps([known_tags(), sorted(FORMS)]))"
     )
-    folders = (str(SHIM), str(ROOT / "src" / "wsgen" / "launch" / "ros_packages"))
+    folders = (str(SHIM), str(ROOT / "src" / "wsgen" / "launching" / "ros_packages"))
     found = subprocess.check_output([sys.executable, "-c", code, *folders], text=True)
     actions, substitutions = json.loads(found)
     return (

@@ -12,9 +12,9 @@ import pytest
 from install_space import HEAD, InstallSpace, only_message
 from tutorial import TEXT, write_tutorial
 from wsgen.diagnostics import Severity
-from wsgen.launch.evaluate import evaluate
-from wsgen.launch.simulators import find_simulator
-from wsgen.launch.spawning import find_spawns
+from wsgen.launching.evaluate import evaluate
+from wsgen.launching.simulators import find_simulator
+from wsgen.launching.spawning import find_spawns
 
 if TYPE_CHECKING:
     from wsgen.model.plan import LaunchPlan
@@ -536,7 +536,7 @@ def test_every_name_can_be_imported(space: InstallSpace) -> None:
 
 
 def test_few_modules_are_imported_in_the_parent() -> None:
-    code = "import sys, wsgen.launch.evaluate; print(*sys.modules)"
+    code = "import sys, wsgen.launching.evaluate; print(*sys.modules)"
     loaded = subprocess.check_output([sys.executable, "-c", code], text=True).split()
     assert not {"xacro", "yaml", "lxml", "click", "rich"} & set(loaded)
 
@@ -561,8 +561,8 @@ def test_the_child_imports_only_what_is_used(space: InstallSpace) -> None:
     assert command is not None
     loaded = set(command[0].split())
     assert {"yaml", "logging", "tempfile", "shutil", "asyncio", "launch_ros"} & loaded == set()
-    assert not any(name.startswith("wsgen.launch.explain") for name in loaded)
-    assert "wsgen.launch.launch_warnings" not in loaded
+    assert not any(name.startswith("wsgen.launching.explain") for name in loaded)
+    assert "wsgen.launching.launch_warnings" not in loaded
     assert "launch.actions.timer_action" not in loaded
 
 

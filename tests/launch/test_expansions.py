@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-import wsgen.launch_shim
-from wsgen.launch.expansions import Expansions
-from wsgen.launch.record import RECORD, CommandOutcome
+import wsgen.launching.shim
+from wsgen.launching.expansions import Expansions
+from wsgen.launching.record import RECORD, CommandOutcome
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 @pytest.fixture(autouse=True)
 def _shim(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """The shim of ament_index_python, and a record of its own."""
-    monkeypatch.syspath_prepend(next(iter(wsgen.launch_shim.__path__)))
+    monkeypatch.syspath_prepend(next(iter(wsgen.launching.shim.__path__)))
     RECORD.forget()
     yield
     RECORD.forget()

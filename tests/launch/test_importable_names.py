@@ -7,7 +7,7 @@ import subprocess
 import sys
 from typing import TYPE_CHECKING
 
-from wsgen.launch import worker
+from wsgen.launching import worker
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.launch.package_lookup import LEFT_OUT
-from wsgen.source_shares import serve_sources
+from wsgen.launching.package_lookup import LEFT_OUT
+from wsgen.packages.source_shares import serve_sources
 
 if TYPE_CHECKING:
     from pathlib import Path

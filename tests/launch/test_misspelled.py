@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from install_space import HEAD, InstallSpace, only_message
-from wsgen.launch.explain_missing import first_missing
+from wsgen.launching.explain_missing import first_missing
 
 if TYPE_CHECKING:
     from pathlib import Path

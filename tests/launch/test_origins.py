@@ -9,7 +9,7 @@ import pytest
 
 from install_space import HEAD, InstallSpace
 from wsgen.model.plan import LaunchPlan, Origin
-from wsgen.report.json_report import render_plan
+from wsgen.reporting.json_report import render_plan
 
 if TYPE_CHECKING:
     from pathlib import Path

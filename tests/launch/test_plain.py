@@ -7,16 +7,16 @@ from pathlib import Path
 
 import pytest
 
+from wsgen.descriptions.xacro.reader import TASK as XACRO_TASK
+from wsgen.descriptions.xacro.reader import expand_file
 from wsgen.isolation.fork_server import ForkServer
 from wsgen.isolation.parent import Run
 from wsgen.isolation.result import Answered, Died, Limits
-from wsgen.launch.evaluate import LIMITS, evaluate
-from wsgen.launch.plain import is_plain, is_plain_expression
-from wsgen.launch.plain_child import TASK_OF_XACRO, PlainLaunches
+from wsgen.launching.evaluate import LIMITS, evaluate
+from wsgen.launching.plain import is_plain, is_plain_expression
+from wsgen.launching.plain_child import TASK_OF_XACRO, PlainLaunches
 from wsgen.model.plan import LaunchPlan
-from wsgen.source_shares import serve_sources
-from wsgen.xacro.reader import TASK as XACRO_TASK
-from wsgen.xacro.reader import expand_file
+from wsgen.packages.source_shares import serve_sources
 
 TESTS = Path(__file__).parents[1]
 HEAD = """\
@@ -250,7 +250,7 @@ def test_a_child_that_dies_is_started_again(
     together: PlainLaunches, apart: Counted, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What kills it, kills a child of its own, too, and is reported."""
-    monkeypatch.setattr("wsgen.launch.plain_child.SECONDS", 1.0)
+    monkeypatch.setattr("wsgen.launching.plain_child.SECONDS", 1.0)
     deadly = write(tmp_path, "deadly", "for _ in range(10**12):\n    pass")
     sound = write(tmp_path, "sound", "text = 'x'")
     before = apart.count

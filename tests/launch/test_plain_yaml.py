@@ -9,7 +9,7 @@ import sys
 import pytest
 import yaml
 
-from wsgen.launch import worker
+from wsgen.launching import worker
 
 SCRIPT = """
 import json, sys

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from wsgen.launch.requests import read_request
+from wsgen.launching.requests import read_request
 
 
 @pytest.mark.parametrize(

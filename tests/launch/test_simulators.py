@@ -9,7 +9,7 @@ import pytest
 
 from install_space import HEAD
 from wsgen.diagnostics import Severity
-from wsgen.launch.simulators import find_simulator, kind_of_project
+from wsgen.launching.simulators import find_simulator, kind_of_project
 from wsgen.model.plan import Include, LaunchPlan, Process, Unresolved
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import pytest
 
 from install_space import HEAD, InstallSpace
 from wsgen.diagnostics import Severity
-from wsgen.launch.spawning import assume_spawn, find_spawns
+from wsgen.launching.spawning import assume_spawn, find_spawns
 from wsgen.model.plan import STARTS_UNKNOWN, Include, LaunchPlan, Process, Unresolved
 from wsgen.model.world import Spawn, SpawnHeight
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from install_space import HEAD, InstallSpace, only_message
-from wsgen.launch.simulators import find_simulator
-from wsgen.launch.spawning import find_spawns
+from wsgen.launching.simulators import find_simulator
+from wsgen.launching.spawning import find_spawns
 from wsgen.model.plan import STARTS_UNKNOWN
 
 if TYPE_CHECKING:

@@ -8,9 +8,9 @@ import pytest
 
 from install_space import HEAD, InstallSpace
 from wsgen.diagnostics import Severity
-from wsgen.launch.explain_missing import unused_actions, where_written
-from wsgen.launch.simulators import find_simulator
-from wsgen.launch.spawning import assume_spawn, find_spawns
+from wsgen.launching.explain_missing import unused_actions, where_written
+from wsgen.launching.simulators import find_simulator
+from wsgen.launching.spawning import assume_spawn, find_spawns
 
 if TYPE_CHECKING:
     from pathlib import Path

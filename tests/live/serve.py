@@ -5,7 +5,7 @@ import os
 import sys
 from pathlib import Path
 
-from wsgen.launch.known_packages import prefix
+from wsgen.launching.known_packages import prefix
 from wsgen.live.request import ServiceRequest
 from wsgen.live.service_child import start_service
 from wsgen.model.plan import LaunchRequest

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from wsgen.live.distribution import distro_of_nodes, with_distro
-from wsgen.ros_environment import RosEnvironment
-from wsgen.workspace.manifest import Dependency, Manifest
+from wsgen.packages.workspace.manifest import Dependency, Manifest
+from wsgen.ros.environment import RosEnvironment
 
 
 def _manifest(*dependencies: str) -> Manifest:

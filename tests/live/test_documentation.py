@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.ros_nodes.simulator.plugins import PLUGINS
-from wsgen.ros_nodes.simulator.ros2_control.controllers import TYPES
-from wsgen.ros_nodes.simulator.sensors import SENSORS
+from wsgen.live.nodes.simulator.plugins import PLUGINS
+from wsgen.live.nodes.simulator.ros2_control.controllers import TYPES
+from wsgen.live.nodes.simulator.sensors import SENSORS
 
 PAGE = (Path(__file__).parents[2] / "docs" / "live.md").read_text(encoding="utf-8")
 

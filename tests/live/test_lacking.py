@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from wsgen.live.lacking import lacking_modules, syntax_error
-from wsgen.ros_environment.processes import SHIM
+from wsgen.ros.environment.processes import SHIM
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.launch.known_packages import prefix
+from wsgen.launching.known_packages import prefix
 from wsgen.live.programs import BuiltIn, LeftOut, find_component, find_replacement
-from wsgen.source_shares import VARIABLE
+from wsgen.packages.source_shares import VARIABLE
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -76,7 +76,7 @@ def test_a_window_of_sliders_is_the_plain_publisher_and_told() -> None:
     found = find_replacement(name, name, (), is_sourced=False)
     assert found is not None
     assert isinstance(found.replacement, BuiltIn)
-    assert found.replacement.module == "wsgen.ros_nodes.joint_state_publisher"
+    assert found.replacement.module == "wsgen.live.nodes.joint_state_publisher"
     assert "without a window of sliders" in found.replacement.note
     assert find_replacement(name, name, (), is_sourced=True) is None
 
@@ -138,7 +138,7 @@ def test_programs_that_wsgen_has(
     found = find_replacement(package, program, arguments, is_sourced=False)
     assert found is not None
     assert isinstance(found.replacement, BuiltIn)
-    assert found.replacement.module == f"wsgen.ros_nodes.{module}"
+    assert found.replacement.module == f"wsgen.live.nodes.{module}"
     assert found.arguments == given
 
 

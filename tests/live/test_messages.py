@@ -12,7 +12,7 @@ from wsgen.live.messages import (
 )
 from wsgen.model.devices import Devices, Element, MountedSensor
 from wsgen.model.plan import LaunchPlan, Process
-from wsgen.workspace.layout import Workspace, find_packages
+from wsgen.packages.workspace.layout import Workspace, find_packages
 
 CONTROL = {"control_msgs", "controller_manager_msgs"}
 

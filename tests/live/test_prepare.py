@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.build.last_build import FAILED_BUILD
+from wsgen.building.last_build import FAILED_BUILD
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.errors import NotFoundError
-from wsgen.launch.launch_warnings import UNUSED_ARGUMENT
+from wsgen.launching.launch_warnings import UNUSED_ARGUMENT
 from wsgen.live.missing_programs import ABSENT_LAUNCH_MODULE, STARTS_NOTHING
 from wsgen.live.prepare import BrokenRunError, Prepared, RunRequest, prepare
 from wsgen.live.request import ServiceRequest
@@ -20,7 +20,7 @@ from wsgen.live.resolve import Resolver
 from wsgen.model.plan import LaunchRequest
 from wsgen.pipeline.plan_launch import select_launch_file
 from wsgen.pipeline.requests import ValidateRequest
-from wsgen.ros_environment import RosEnvironment
+from wsgen.ros.environment import RosEnvironment
 
 if TYPE_CHECKING:
     from collections.abc import Callable

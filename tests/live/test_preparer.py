@@ -14,11 +14,11 @@ from wsgen.isolation.codec import decode, encode
 from wsgen.live.preparer import Preparer, serve
 from wsgen.model.plan import LaunchPlan
 from wsgen.model.transform import Pose
+from wsgen.packages.workspace.overlay import Overlay
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
 from wsgen.pipeline.started import Started
 from wsgen.simulation.live_scene import NewEntity, PreparedEntity, preparer_path, short_name
-from wsgen.workspace.overlay import Overlay
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -17,11 +17,11 @@ import pytest
 
 from wsgen.errors import NotFoundError
 from wsgen.isolation.stale import PREFIX, held
+from wsgen.live.nodes.silence import Run
 from wsgen.live.program import find_command
 from wsgen.live.ros2_command import write_ros2
 from wsgen.live.run import note_end, note_start
-from wsgen.ros_environment import RosEnvironment
-from wsgen.ros_nodes.silence import Run
+from wsgen.ros.environment import RosEnvironment
 from wsgen.simulation.live_runs import (
     REQUEST_FILE,
     STARTING_FILE,
@@ -71,7 +71,7 @@ def test_programs_run_with_the_interpreter_of_ros(prefix: Path) -> None:
     assert found("my_robot", "setup.sh") == (str(prefix / "lib/my_robot/setup.sh"),)
     spawner = found("gazebo_ros", "spawn_entity.py", "-entity", "a")
     assert spawner[0] == "/python"
-    assert spawner[-5:] == ("wsgen.ros_nodes.create", "--as", "spawn_entity.py", "-entity", "a")
+    assert spawner[-5:] == ("wsgen.live.nodes.create", "--as", "spawn_entity.py", "-entity", "a")
 
 
 def test_what_no_package_has_is_named(prefix: Path) -> None:

@@ -24,7 +24,7 @@ from wsgen.model.robot import Box, Collision, Link, Robot
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
 from wsgen.pipeline import clock
-from wsgen.ros_environment import RosEnvironment, variables_of_nodes
+from wsgen.ros.environment import RosEnvironment, variables_of_nodes
 from wsgen.simulation.live_scene import SCENE_FILE, LiveScene
 from wsgen.simulation.pose_log import POSE_LOG_FILE, PoseLogWriter
 from wsgen.simulation.scene import Scene, SpawnedRobot
@@ -239,7 +239,7 @@ def test_a_full_disk(tmp_path: Path, variables: Mapping[str, str]) -> None:
 # A recorder whose disk is full, without ROS.
 FULL = """
 import errno, os, sys, types
-from wsgen.ros_nodes import recorder
+from wsgen.live.nodes import recorder
 
 def record(stream, *, when_ready, **more):
     when_ready()
@@ -247,7 +247,7 @@ def record(stream, *, when_ready, **more):
     stream.flush()
     raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-module = types.ModuleType("wsgen.ros_nodes.mcap_recording")
+module = types.ModuleType("wsgen.live.nodes.mcap_recording")
 module.record = record
 sys.modules[module.__name__] = module
 sys.exit(recorder.main([{file!r}, "--tell", "{told}"]))

@@ -21,8 +21,8 @@ import pytest
 from live_launch import wait_until
 from wsgen.diagnostics import Severity
 from wsgen.errors import NotReadableError, RequestError, SessionDiedError
-from wsgen.launch.launch_warnings import UNUSED_ARGUMENT
-from wsgen.launch.spawning import NO_ROBOT
+from wsgen.launching.launch_warnings import UNUSED_ARGUMENT
+from wsgen.launching.spawning import NO_ROBOT
 from wsgen.live import activity, behaviors, domains, messenger, session
 from wsgen.live.activity import Activity, cpu_seconds, is_at_work
 from wsgen.live.behaviors import LONGEST_LINE, Way, _cause

@@ -10,8 +10,8 @@ from importlib.metadata import PackageNotFoundError, files
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.meshes import worker
-from wsgen.meshes.requests import InspectedMesh, MeshRequest, UnusableMesh
+from wsgen.descriptions.meshes import worker
+from wsgen.descriptions.meshes.requests import InspectedMesh, MeshRequest, UnusableMesh
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -16,13 +16,13 @@ from PIL import Image
 
 import mesh_samples
 from child_answers import answered
+from wsgen.descriptions.meshes import worker
+from wsgen.descriptions.meshes.appearance import MATERIALS, Textures
+from wsgen.descriptions.meshes.inspection import inspect_meshes
+from wsgen.descriptions.meshes.requests import InspectedMesh, MeshRequest
+from wsgen.descriptions.meshes.stl import write_stl
 from wsgen.diagnostics import Severity
 from wsgen.isolation.fork_server import ForkServer
-from wsgen.meshes import worker
-from wsgen.meshes.appearance import MATERIALS, Textures
-from wsgen.meshes.inspection import inspect_meshes
-from wsgen.meshes.requests import InspectedMesh, MeshRequest
-from wsgen.meshes.stl import write_stl
 from wsgen.model.robot import Collision, Link, Mesh, Robot, Visual
 from wsgen.model.transform import IDENTITY
 from wsgen.rendering.camera import Camera
@@ -46,7 +46,7 @@ PALETTE = ((255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 0))  # rows, from t
 
 
 def in_this_process(task: str, *arguments: Any, **_: Any) -> Answered | Died:
-    assert task == "wsgen.meshes.worker:inspect"
+    assert task == "wsgen.descriptions.meshes.worker:inspect"
     return answered(worker.inspect(*arguments))
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import mesh_samples
-from wsgen.meshes.dae import read_dae
+from wsgen.descriptions.meshes.dae import read_dae
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -13,11 +13,11 @@ import pytest
 import mesh_samples
 from child_answers import answered
 from meshes.public_meshes import PACKAGES, differences, meshes_of
+from wsgen.descriptions.meshes import worker
+from wsgen.descriptions.meshes.inspection import DEATHS, inspect_meshes
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.isolation.fork_server import ForkServer
 from wsgen.isolation.result import Answered, Died, Limits
-from wsgen.meshes import worker
-from wsgen.meshes.inspection import DEATHS, inspect_meshes
 from wsgen.model.robot import Box, Collision, Geometry, Link, Mesh, Robot, Visual
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def run() -> Iterator[Callable[..., Answered | Died]]:
 
 
 def in_this_process(task: str, *arguments: Any, **_: Any) -> Answered | Died:
-    assert task == "wsgen.meshes.worker:inspect"
+    assert task == "wsgen.descriptions.meshes.worker:inspect"
     return answered(worker.inspect(*arguments))
 
 
@@ -169,7 +169,7 @@ def test_every_broken_file_is_reported_soon(
     *,
     with_colors: bool,
 ) -> None:
-    monkeypatch.setattr("wsgen.meshes.inspection.LIMITS", IN_TEN_SECONDS)
+    monkeypatch.setattr("wsgen.descriptions.meshes.inspection.LIMITS", IN_TEN_SECONDS)
     broken = [
         mesh(write(tmp_path, name, content)) for name, (content, _) in mesh_samples.BROKEN.items()
     ]
@@ -188,13 +188,13 @@ def test_many_triangles_are_a_warning_and_far_too_many_are_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     file = write(tmp_path, "a.stl", mesh_samples.binary_stl())
-    monkeypatch.setattr("wsgen.meshes.inspection.MANY_TRIANGLES", 11)
+    monkeypatch.setattr("wsgen.descriptions.meshes.inspection.MANY_TRIANGLES", 11)
     model = robot(mesh(file), visuals=(mesh(file),))
     changed, found = inspect_meshes(model, file=None, folder=tmp_path, run=in_this_process)
     assert paths(changed) == paths(model)
     assert kinds(found) == [("ROB064", Severity.WARNING)] * 2
     assert "12 triangles" in found[0].message
-    monkeypatch.setattr("wsgen.meshes.content.TRIANGLE_LIMIT", 11)
+    monkeypatch.setattr("wsgen.descriptions.meshes.content.TRIANGLE_LIMIT", 11)
     changed, found = inspect_meshes(model, file=None, folder=tmp_path, run=in_this_process)
     assert paths(changed) == ([None], [])
     assert kinds(found) == [("ROB065", Severity.ERROR), ("ROB065", Severity.WARNING)]
@@ -306,7 +306,7 @@ def test_a_file_of_many_short_lines(
     tmp_path: Path, run: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As lines of a text they would need 6 GiB."""
-    monkeypatch.setattr("wsgen.meshes.inspection.LIMITS", IN_TEN_SECONDS)
+    monkeypatch.setattr("wsgen.descriptions.meshes.inspection.LIMITS", IN_TEN_SECONDS)
     file = write(tmp_path, "large.obj", b"v 0 0 0\n" * 12_000_000 + b"f 1 2 3\n")
     _, found = inspect_meshes(robot(mesh(file)), file=None, folder=tmp_path, run=run)
     assert kinds(found) == [("ROB065", Severity.ERROR)]
@@ -317,7 +317,7 @@ def test_a_file_of_many_short_lines(
 def test_a_file_beyond_its_memory(
     tmp_path: Path, run: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("wsgen.meshes.inspection.LIMITS", Limits(memory=512 * 2**20))
+    monkeypatch.setattr("wsgen.descriptions.meshes.inspection.LIMITS", Limits(memory=512 * 2**20))
     text = mesh_samples.dae(asset="".join(f'<a id="{at}"/>' for at in range(3_000_000)))
     file = write(tmp_path, "large.dae", text)
     good = write(tmp_path, "good.stl", mesh_samples.binary_stl())

@@ -18,16 +18,16 @@ import numpy as np
 import pytest
 
 import mesh_samples
-from wsgen.meshes import worker
-from wsgen.meshes.content import BrokenMeshError, EnormousMeshError
-from wsgen.meshes.requests import (
+from wsgen.descriptions.meshes import worker
+from wsgen.descriptions.meshes.content import BrokenMeshError, EnormousMeshError
+from wsgen.descriptions.meshes.requests import (
     MISSING_MATERIAL_LIBRARY,
     InspectedMesh,
     MeshRequest,
     UnusableMesh,
 )
-from wsgen.meshes.stl import write_stl
-from wsgen.meshes.worker import READ, read_mesh
+from wsgen.descriptions.meshes.stl import write_stl
+from wsgen.descriptions.meshes.worker import READ, read_mesh
 from wsgen.model.robot import MeshPart
 
 if TYPE_CHECKING:
@@ -271,7 +271,7 @@ def test_a_name_counts_with_its_capitals(tmp_path: Path, monkeypatch: pytest.Mon
 
 
 def test_the_reader_is_loaded_without_the_library() -> None:
-    script = "import sys, wsgen.meshes.worker as _; print('trimesh' in sys.modules)"
+    script = "import sys, wsgen.descriptions.meshes.worker as _; print('trimesh' in sys.modules)"
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True)
     assert run.stdout == b"False\n"
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from wsgen.descriptions.meshes.lookup import find_meshes
 from wsgen.diagnostics import Severity
-from wsgen.meshes.lookup import find_meshes
 from wsgen.model.robot import Collision, Link, Mesh, Robot, Visual
 
 

@@ -14,12 +14,12 @@ from PIL import Image
 
 from child_answers import answered
 from surface_heights import height_at
+from wsgen.descriptions.meshes import shape_worker
+from wsgen.descriptions.meshes.shape_meshes import DEATHS, build_shapes
+from wsgen.descriptions.meshes.shape_worker import MOST_ROWS, heightmap_surface
 from wsgen.diagnostics import Severity
 from wsgen.isolation import parent
 from wsgen.isolation.result import Answered, Died, Limits
-from wsgen.meshes import shape_worker
-from wsgen.meshes.shape_meshes import DEATHS, build_shapes
-from wsgen.meshes.shape_worker import MOST_ROWS, heightmap_surface
 from wsgen.model.robot import (
     Box,
     Collision,
@@ -68,7 +68,7 @@ def robot(
 
 
 def in_this_process(task: str, *arguments: Any, **_: Any) -> Answered | Died:
-    assert task == "wsgen.meshes.shape_worker:build"
+    assert task == "wsgen.descriptions.meshes.shape_worker:build"
     return answered(shape_worker.build(*arguments))
 
 
@@ -366,7 +366,7 @@ def test_a_child_that_does_not_start(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_a_huge_picture_needs_little(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     limits = Limits(seconds=10.0, memory=2 * 2**30)
-    monkeypatch.setattr("wsgen.meshes.shape_meshes.LIMITS", limits)
+    monkeypatch.setattr("wsgen.descriptions.meshes.shape_meshes.LIMITS", limits)
     pixels = np.add.outer(np.arange(4097), np.arange(4097)).astype(np.uint16)
     shape = Heightmap(uri="h", path=image(tmp_path, pixels), size=(100, 100, 10))
     _, found = build_shapes(robot(shape), file=None, folder=tmp_path, run=parent.run)

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import pytest
 
-from wsgen.meshes.content import BrokenMeshError
-from wsgen.meshes.stl import read_stl
+from wsgen.descriptions.meshes.content import BrokenMeshError
+from wsgen.descriptions.meshes.stl import read_stl
 
 FACET = """\
 facet normal 0 0 1

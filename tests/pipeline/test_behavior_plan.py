@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING
 import pytest
 
 from golden_support import golden_package
+from wsgen.checks.rules.behaviors import behavior_explodes
 from wsgen.errors import NotFoundError
 from wsgen.model.behavior import LiveMeasurement
 from wsgen.model.transform import Pose
 from wsgen.model.world import Spawn
+from wsgen.packages.workspace.layout import open_workspace
 from wsgen.pipeline.behavior_plan import BehaviorPlan
 from wsgen.pipeline.requests import ValidateRequest
 from wsgen.pipeline.validate import validate
-from wsgen.report.words import result_of, what_it_did
-from wsgen.rules.behaviors import behavior_explodes
-from wsgen.workspace.layout import open_workspace
+from wsgen.reporting.words import result_of, what_it_did
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

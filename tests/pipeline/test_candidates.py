@@ -5,8 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.launch.explain import ARGUMENT_WITHOUT_VALUE, SYNTAX_ERROR, UNDEFINED_CONFIGURATION
-from wsgen.launch.explain_missing import PACKAGE_NOT_FOUND, XACRO_FAILS
+from wsgen.launching.explain import ARGUMENT_WITHOUT_VALUE, SYNTAX_ERROR, UNDEFINED_CONFIGURATION
+from wsgen.launching.explain_missing import PACKAGE_NOT_FOUND, XACRO_FAILS
 from wsgen.model.plan import Include, LaunchPlan, Process
 from wsgen.model.transform import Pose
 from wsgen.model.world import Simulator, Spawn

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.build_files.facts import read_build_facts
+from wsgen.packages.build_files.facts import read_build_facts
+from wsgen.packages.workspace.layout import read_package
 from wsgen.pipeline.check import CheckRequest, check
 from wsgen.pipeline.check_manifest import check_package_manifest
-from wsgen.workspace.layout import read_package
 
 if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.description_rules import MISSING_COLLISION_MESH, MISSING_VISUAL_MESH
+from wsgen.descriptions.rules import MISSING_COLLISION_MESH, MISSING_VISUAL_MESH
+from wsgen.descriptions.xacro.reader import XACRO_FILE_FAILS
 from wsgen.diagnostics import Diagnostic
-from wsgen.launch.explain_missing import PACKAGE_NOT_FOUND
+from wsgen.launching.explain_missing import PACKAGE_NOT_FOUND
 from wsgen.pipeline.check_severities import without_absent_packages
-from wsgen.xacro.reader import XACRO_FILE_FAILS
 
 ROBOT = Path("r.xacro")
 

@@ -2,14 +2,14 @@
 
 from pathlib import Path
 
-from wsgen.build.last_build import FailedBuild
+from wsgen.building.last_build import FailedBuild
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.launch.explain_missing import FILE_NOT_INSTALLED
+from wsgen.launching.explain_missing import FILE_NOT_INSTALLED
 from wsgen.model.outcome import NotValidated, PackageOutcome
 from wsgen.model.plan import LaunchPlan, Lookup
+from wsgen.packages.workspace.layout import PackageFolder
+from wsgen.packages.workspace.overlay import Overlay
 from wsgen.pipeline.failed_builds import Validated, with_failed_builds
-from wsgen.workspace.layout import PackageFolder
-from wsgen.workspace.overlay import Overlay
 
 ROOT = Path("/ws/src")
 PACKAGES = tuple(

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 from wsgen.isolation import parent
-from wsgen.launch.simulators import find_simulator
+from wsgen.launching.simulators import find_simulator
 from wsgen.model.plan import LaunchPlan, Process
 from wsgen.model.world import Spawn
+from wsgen.packages.workspace.overlay import Overlay
 from wsgen.pipeline.gazebo_models import (
     as_robots,
     find_robots,
@@ -19,12 +20,11 @@ from wsgen.pipeline.gazebo_models import (
     robots_of_world,
 )
 from wsgen.pipeline.prepare import PrepareContext, prepare_models, read_file
-from wsgen.workspace.overlay import Overlay
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from wsgen.sdf.models import SdfFile
+    from wsgen.descriptions.sdf.models import SdfFile
 
 
 def model(name: str, *, joint: str = "revolute", static: bool = False) -> str:

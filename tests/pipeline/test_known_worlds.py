@@ -5,13 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wsgen.descriptions.sdf.models import SdfFile
 from wsgen.isolation import parent
 from wsgen.model.plan import LaunchPlan
 from wsgen.model.world import Simulator
 from wsgen.pipeline.known_worlds import KnownWorlds, ReadWorld
 from wsgen.pipeline.prepare import PrepareContext
 from wsgen.pipeline.started import Started
-from wsgen.sdf.models import SdfFile
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -9,11 +9,11 @@ import pytest
 
 from planted_examples import PLANTS
 from planted_packages import check_all, complete, write
+from wsgen.checks.rules.catalogue import all_rules
 from wsgen.diagnostics import Severity
+from wsgen.packages.workspace.layout import Workspace
 from wsgen.pipeline.requests import ValidateRequest
 from wsgen.pipeline.validate import validate
-from wsgen.rules.catalogue import all_rules
-from wsgen.workspace.layout import Workspace
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.descriptions.xacro.expansion import expand
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.isolation import parent
 from wsgen.pipeline.prepare import PrepareContext, PreparedRobot, prepare_robot
-from wsgen.xacro.expansion import expand
 
 if TYPE_CHECKING:
     from pathlib import Path

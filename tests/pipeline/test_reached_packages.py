@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from wsgen.packages.workspace.layout import PackageFolder
 from wsgen.pipeline.check import CheckRequest, check
 from wsgen.pipeline.reached_packages import SIZE_LIMIT, find_reached
-from wsgen.workspace.layout import PackageFolder
 
 MANIFEST = """\
 <package format="3"><name>{}</name><version>0.0.1</version><description>Parts.</description>

@@ -9,10 +9,10 @@ import pytest
 
 from wsgen.model.plan import Include, LaunchPlan, Process
 from wsgen.model.world import Simulator, Spawn
+from wsgen.packages.source_shares import INDEX
+from wsgen.packages.workspace.overlay import Overlay
 from wsgen.pipeline.search_path import check_search_path
 from wsgen.pipeline.started import Started
-from wsgen.source_shares import INDEX
-from wsgen.workspace.overlay import Overlay
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

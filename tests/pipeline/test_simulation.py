@@ -17,6 +17,7 @@ from wsgen.model.behavior import Behavior, Reach
 from wsgen.model.robot import MOST_LINKS, Box, Collision, Inertial, Joint, JointType, Link, Robot
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
+from wsgen.packages.workspace.settings import Settings
 from wsgen.pipeline import run_robots as robot_runs
 from wsgen.pipeline.behavior_plan import plan_behaviors
 from wsgen.pipeline.prepare import PreparedRobot
@@ -33,7 +34,6 @@ from wsgen.simulation.scene import (
     Scene,
     SceneResult,
 )
-from wsgen.workspace.settings import Settings
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

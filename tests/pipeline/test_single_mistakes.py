@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.descriptions.xacro.expansion import expand
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.isolation import parent
+from wsgen.packages.workspace.overlay import Overlay
 from wsgen.pipeline.file_validation import FileValidation
 from wsgen.pipeline.prepare import PrepareContext, prepare_robot
 from wsgen.pipeline.requests import ValidateRequest
-from wsgen.workspace.overlay import Overlay
-from wsgen.xacro.expansion import expand
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

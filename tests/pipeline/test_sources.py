@@ -8,8 +8,11 @@ from pathlib import Path
 
 import pytest
 
+from wsgen.checks.rules.named_worlds import is_folder_reported, missing_world
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.plan import LaunchPlan, Process
+from wsgen.packages.workspace.layout import PackageFolder, Workspace, read_package
+from wsgen.packages.workspace.overlay import open_overlay
 from wsgen.pipeline.changed_since_build import (
     InstalledSource,
     changed_since_build,
@@ -17,9 +20,6 @@ from wsgen.pipeline.changed_since_build import (
     used_packages,
 )
 from wsgen.pipeline.sources import name_sources
-from wsgen.rules.named_worlds import is_folder_reported, missing_world
-from wsgen.workspace.layout import PackageFolder, Workspace, read_package
-from wsgen.workspace.overlay import open_overlay
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.launch.explain_missing import FILE_NOT_INSTALLED, PACKAGE_NOT_FOUND
+from wsgen.launching.explain_missing import FILE_NOT_INSTALLED, PACKAGE_NOT_FOUND
 from wsgen.pipeline.submodules import with_submodules
 
 MODULES = """[submodule "sensors"]

@@ -41,7 +41,7 @@ def read(data: bytes | None) -> Any:
 
 
 def mesh_file(folder: Path, rows: int = 3) -> Mesh:
-    """An array as `wsgen.meshes.appearance` writes it: one triangle, perhaps with more rows."""
+    """An array as `meshes.appearance` writes it: one triangle, perhaps with more rows."""
     points = np.array([[0, 1, 0], [0, 0, 2], [0, 0, 3]], dtype=np.float32)
     normals = np.array([[0, 0, math.nan], [0, 0, 0], [2, 1, 0]], dtype=np.float32)
     texture_points = np.array([[0, 1, 0], [0, 0.25, 1]], dtype=np.float32)

@@ -22,9 +22,9 @@ from rendering.showpieces import (
     spawned,
     touched_alone,
 )
-from wsgen.meshes.appearance import AppearanceWriter
-from wsgen.meshes.content import Material
-from wsgen.meshes.worker import read_mesh
+from wsgen.descriptions.meshes.appearance import AppearanceWriter
+from wsgen.descriptions.meshes.content import Material
+from wsgen.descriptions.meshes.worker import read_mesh
 from wsgen.model.robot import GAZEBO_COLORS, Box, Collision, Cylinder, Link, Mesh, Sphere, Visual
 from wsgen.model.transform import Pose
 from wsgen.rendering.backdrop import Backdrop, tile_for

@@ -14,6 +14,7 @@ from PIL import Image
 from wsgen.model.robot import Box, Cylinder, Inertial, Link, Mesh, Robot, Sphere, Visual
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
+from wsgen.pipeline.tasks.simulation import simulate
 from wsgen.rendering.render_items import list_render_items
 from wsgen.rendering.renderer import Renderer
 from wsgen.rendering.scene_view import AROUND, View
@@ -22,7 +23,6 @@ from wsgen.rendering.simplify import Triangles, merge, simplify
 from wsgen.simulation.engine import State
 from wsgen.simulation.fake import FakeEngine
 from wsgen.simulation.scene import Scene, SpawnedRobot
-from wsgen.tasks.simulation import simulate
 
 if TYPE_CHECKING:
     from pathlib import Path

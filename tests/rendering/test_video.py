@@ -358,7 +358,7 @@ def test_an_engine_that_dies_while_it_records_costs_the_video_alone(tmp_path: Pa
 
 
 def test_a_simulation_without_a_video_loads_nothing_for_it() -> None:
-    script = "import sys, wsgen.tasks.bullet; print(*sys.modules)"
+    script = "import sys, wsgen.pipeline.tasks.bullet; print(*sys.modules)"
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True, text=True)
     loaded = run.stdout.split()
     assert "wsgen.simulation.bullet" in loaded

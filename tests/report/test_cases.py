@@ -15,17 +15,17 @@ from hypothesis import strategies as st
 from markdown_it import MarkdownIt
 
 from report.test_json_report import DIAGNOSTIC, ROBOT, outcome
+from wsgen.checks.rules import runs
+from wsgen.checks.rules.bodies import IMPLAUSIBLE_DENSITY
+from wsgen.checks.rules.consequences import BEHAVES
+from wsgen.checks.rules.runs import FALLS_WITHOUT_END, TIPS_OVER
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.pipeline.check import CheckOutcome
 from wsgen.pipeline.reported import Reported
-from wsgen.printable import clean
-from wsgen.report.cases import OF_COMPARISON, OF_RUNS, outcome_suites
-from wsgen.report.junit import Case, Failure, Suite, render_suites
-from wsgen.report.markdown import BAR, MOST_LISTED, _text, summarize_check, summarize_outcome
-from wsgen.rules import runs
-from wsgen.rules.bodies import IMPLAUSIBLE_DENSITY
-from wsgen.rules.consequences import BEHAVES
-from wsgen.rules.runs import FALLS_WITHOUT_END, TIPS_OVER
+from wsgen.reporting.cases import OF_COMPARISON, OF_RUNS, outcome_suites
+from wsgen.reporting.junit import Case, Failure, Suite, render_suites
+from wsgen.reporting.markdown import BAR, MOST_LISTED, _text, summarize_check, summarize_outcome
+from wsgen.text.printable import clean
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

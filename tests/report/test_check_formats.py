@@ -12,17 +12,17 @@ import pytest
 import yaml
 
 from report.test_json_report import documented_keys, keys
+from wsgen.checks.rules.robots import NO_VISUAL
 from wsgen.cli.check import command
 from wsgen.cli.check_output import render_report, render_statistics, render_summary
 from wsgen.cli.output import render_diagnostics
+from wsgen.descriptions.urdf.joints import UNNORMALIZED_AXIS
+from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.model.robot import Robot
 from wsgen.pipeline.check import CheckOutcome
 from wsgen.pipeline.reported import Reported
-from wsgen.report.check_formats import render_github, render_json, render_junit, render_sarif
-from wsgen.report.places import Places
-from wsgen.rules.robots import NO_VISUAL
-from wsgen.urdf.joints import UNNORMALIZED_AXIS
-from wsgen.urdf.reader import read_urdf
+from wsgen.reporting.check_formats import render_github, render_json, render_junit, render_sarif
+from wsgen.reporting.places import Places
 
 if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic

@@ -35,11 +35,11 @@ from wsgen.model.scene_view import SceneView, ViewPart
 from wsgen.model.time_series import TimeSeries
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
-from wsgen.printable import clean
-from wsgen.report import plotly_library
-from wsgen.report.html_report import mark_code, render_page
-from wsgen.report.page_data import LEVELS, Packer, pack_package
-from wsgen.report.plotly_library import require_plotly
+from wsgen.reporting import plotly_library
+from wsgen.reporting.html_report import mark_code, render_page
+from wsgen.reporting.page_data import LEVELS, Packer, pack_package
+from wsgen.reporting.plotly_library import require_plotly
+from wsgen.text.printable import clean
 
 HOSTILE = "</script><script>alert(1)</script><!-- \"q\" 'a' &amp; \x00\x07\x7f \udce9 \u202e <b>ü漢"
 SHOWN = HOSTILE.translate({0: "␀", 7: "␇", 0x7F: "␡", 0xDCE9: "\ufffd", 0x202E: "\ufffd"})

@@ -5,8 +5,9 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
-from wsgen.build.colcon import PackageResult
-from wsgen.build.run import BuildResult
+from wsgen.building.colcon import PackageResult
+from wsgen.building.run import BuildResult
+from wsgen.checks.rules.catalogue import UNKNOWN_RULE_ALLOWED
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.behavior import BehaviorOutcome, Drive, Reach
 from wsgen.model.outcome import (
@@ -20,8 +21,7 @@ from wsgen.model.outcome import (
 )
 from wsgen.model.transform import Pose
 from wsgen.model.world import PlacedModel, World
-from wsgen.report.json_report import render_build, render_outcome, render_rules
-from wsgen.rules.catalogue import UNKNOWN_RULE_ALLOWED
+from wsgen.reporting.json_report import render_build, render_outcome, render_rules
 
 BEHAVIORS = (
     BehaviorOutcome(

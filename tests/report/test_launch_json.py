@@ -15,7 +15,7 @@ from wsgen.model.plan import (
     Process,
     Unresolved,
 )
-from wsgen.report.json_report import render_plan
+from wsgen.reporting.json_report import render_plan
 
 FULL = LaunchPlan(
     package="my_robot",

@@ -2,7 +2,7 @@ import json
 from pathlib import Path
 
 from report.test_json_report import keys
-from wsgen.report.json_report import render_templates
+from wsgen.reporting.json_report import render_templates
 from wsgen.templating.template import load_template
 
 

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from ros_for_tests import ros_with, variables_for
-from wsgen.ros_environment import variables_of_nodes
+from wsgen.ros.environment import variables_of_nodes
 
 pytestmark = pytest.mark.slow
 
@@ -21,7 +21,7 @@ import time
 
 import rclpy
 from std_msgs.msg import Empty
-from wsgen.ros_nodes.messenger import Messenger
+from wsgen.live.nodes.messenger import Messenger
 
 ours, theirs = socket.socketpair()
 rclpy.init(args=[])

@@ -22,7 +22,7 @@ from wsgen.simulation.live_scene import FOLDER_VARIABLE
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from wsgen.ros_environment import RosEnvironment
+    from wsgen.ros.environment import RosEnvironment
 
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[2]
@@ -51,14 +51,14 @@ ROBOT = """\
 def environment(ros: RosEnvironment) -> dict[str, str]:
     """The variables of nodes."""
     found = variables_for(ros)
-    shim = str(ROOT / "src" / "wsgen" / "ros_shim")
+    shim = str(ROOT / "src" / "wsgen" / "ros" / "shim")
     found["PYTHONPATH"] = os.pathsep.join([found.get("PYTHONPATH", ""), shim])
     return found
 
 
 @contextlib.contextmanager
 def node(name: str, *arguments: str, environment: dict[str, str]) -> Iterator[None]:
-    command = [sys.executable, "-m", f"wsgen.ros_nodes.{name}", *arguments]
+    command = [sys.executable, "-m", f"wsgen.live.nodes.{name}", *arguments]
     with subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True) as process:
         try:
             yield
@@ -291,7 +291,7 @@ def test_a_node_that_cannot_start_says_why(
 ) -> None:
     arguments = ["--ros-args", "-p", parameters] if parameters else []
     run = subprocess.run(
-        [sys.executable, "-m", "wsgen.ros_nodes.robot_state_publisher", *arguments],
+        [sys.executable, "-m", "wsgen.live.nodes.robot_state_publisher", *arguments],
         env=environment,
         capture_output=True,
         text=True,
@@ -328,7 +328,7 @@ def test_two_clocks_do_not_drown_everything_else(
 ) -> None:
     file = tmp_path / "crane.urdf"
     file.write_text(ROBOT)
-    command = [sys.executable, "-m", "wsgen.ros_nodes.robot_state_publisher", str(file)]
+    command = [sys.executable, "-m", "wsgen.live.nodes.robot_state_publisher", str(file)]
     command += ["--ros-args", "-p", "use_sim_time:=true"]
     with subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True) as process:
         began = time.monotonic()
@@ -344,7 +344,7 @@ def test_a_spawner_refuses_a_topic_that_ros_has_not(
 ) -> None:
     words = ["--as", "spawn_entity.py", "-topic", "robot description", "-entity", "rover"]
     run = subprocess.run(
-        [sys.executable, "-m", "wsgen.ros_nodes.create", *words],
+        [sys.executable, "-m", "wsgen.live.nodes.create", *words],
         env={**environment, FOLDER_VARIABLE: str(tmp_path)},
         capture_output=True,
         text=True,

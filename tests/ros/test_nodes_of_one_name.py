@@ -15,7 +15,7 @@ NODES = """
 import time
 
 from rcl_interfaces.msg import Log
-from wsgen.ros_nodes.simulator.ros import Ros
+from wsgen.live.nodes.simulator.ros import Ros
 
 ros = Ros()
 texts = []

@@ -13,12 +13,12 @@ import pytest
 from ros.test_nodes import node
 from ros.test_simulator import WAIT, run, simulator
 from ros_for_tests import ros_with, variables_for
+from wsgen.descriptions.urdf.devices import read_devices
+from wsgen.descriptions.urdf.lumping import lump
+from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.model.world import World
 from wsgen.simulation.live_scene import LiveScene
 from wsgen.simulation.scene import Scene, SpawnedRobot
-from wsgen.urdf.devices import read_devices
-from wsgen.urdf.lumping import lump
-from wsgen.urdf.reader import read_urdf
 
 pytestmark = pytest.mark.slow
 USER = Path(__file__).with_name("arm_user.py")

@@ -19,7 +19,7 @@ from wsgen.simulation.live_scene import FOLDER_VARIABLE, SCENE_FILE, LiveScene
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from wsgen.ros_environment import RosEnvironment
+    from wsgen.ros.environment import RosEnvironment
 
 pytestmark = pytest.mark.slow
 USER = Path(__file__).with_name("simulator_user.py")
@@ -56,7 +56,7 @@ def simulator(
     """The simulator of a scene, and the variables of processes of the same live run."""
     (folder / SCENE_FILE).write_text(encode(scene))
     environment = {**variables, FOLDER_VARIABLE: str(folder)}
-    command = [sys.executable, "-m", "wsgen.ros_nodes.simulator"]
+    command = [sys.executable, "-m", "wsgen.live.nodes.simulator"]
     with subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True) as process:
         try:
             yield process, environment
@@ -67,7 +67,7 @@ def simulator(
 def run(module: str, *arguments: str, environment: Mapping[str, str]) -> tuple[int, str]:
     """A program that belongs to the live run: its exit code and what it printed."""
     done = subprocess.run(
-        [sys.executable, "-m", f"wsgen.ros_nodes.{module}", *arguments],
+        [sys.executable, "-m", f"wsgen.live.nodes.{module}", *arguments],
         env=environment,
         capture_output=True,
         text=True,

@@ -13,13 +13,13 @@ import pytest
 
 from ros.test_simulator import WAIT, run, simulator
 from ros_for_tests import ros_with, variables_for
+from wsgen.descriptions.urdf.devices import read_devices
+from wsgen.descriptions.urdf.lumping import lump
+from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
 from wsgen.simulation.live_scene import LiveScene
 from wsgen.simulation.scene import Scene, SpawnedRobot
-from wsgen.urdf.devices import read_devices
-from wsgen.urdf.lumping import lump
-from wsgen.urdf.reader import read_urdf
 
 pytestmark = pytest.mark.slow
 USER = Path(__file__).with_name("car_user.py")
@@ -135,7 +135,7 @@ def test_a_node_uses_a_car(tmp_path: Path) -> None:
     )
     with simulator(replace(scene, seconds=None), tmp_path, variables) as (process, environment):
         bridge = subprocess.Popen(
-            [sys.executable, "-m", "wsgen.ros_nodes.bridge", *BRIDGE], env=environment
+            [sys.executable, "-m", "wsgen.live.nodes.bridge", *BRIDGE], env=environment
         )
         try:
             code, printed = run(

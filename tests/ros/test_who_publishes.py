@@ -17,7 +17,7 @@ import sys
 import time
 
 from std_msgs.msg import String
-from wsgen.ros_nodes.simulator.ros import Ros
+from wsgen.live.nodes.simulator.ros import Ros
 
 OTHER = '''
 import rclpy

@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import pytest
 from lxml import etree
 
-from wsgen.ros_environment import RosEnvironment, variables_of_nodes
-from wsgen.ros_environment.environment import (
+from wsgen.ros.environment import RosEnvironment, variables_of_nodes
+from wsgen.ros.environment.environment import (
     ANNOUNCEMENTS,
     DISCOVERY,
     LARGEST_SEGMENT,
@@ -30,7 +30,7 @@ ROS = RosEnvironment(distro="kilted", is_sourced=False, python=Path("python3"), 
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("wsgen.ros_environment.environment.SHARED_MEMORY", tmp_path)
+    monkeypatch.setattr("wsgen.ros.environment.environment.SHARED_MEMORY", tmp_path)
     return tmp_path
 
 
@@ -109,7 +109,7 @@ def _content(path: Path) -> list[tuple[str, str]]:
 
 def _no_room(folder: Path, monkeypatch: pytest.MonkeyPatch, reason: str) -> None:
     """Take the room of shared memory from nodes."""
-    at = "wsgen.ros_environment.environment"
+    at = "wsgen.ros.environment.environment"
     if reason == "it is full":
         monkeypatch.setattr(f"{at}.disk_usage", lambda _folder: SimpleNamespace(free=1 << 20))
     elif reason == "it is read-only":
@@ -145,7 +145,7 @@ def test_images_get_room_of_what_is_free(
     free: int, segment: int | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(
-        "wsgen.ros_environment.environment.disk_usage", lambda _folder: SimpleNamespace(free=free)
+        "wsgen.ros.environment.environment.disk_usage", lambda _folder: SimpleNamespace(free=free)
     )
     found = variables_of_simulator({PROFILES: str(ANNOUNCEMENTS)})
     expected = {PROFILES: str(SIMULATOR), SEGMENT_BYTES: str(segment)}
@@ -168,5 +168,5 @@ def test_the_simulator_has_the_transports_that_other_nodes_have(transports: str)
 
 
 def test_room_that_nobody_knows_is_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wsgen.ros_environment.environment.SHARED_MEMORY", Path("/nowhere"))
+    monkeypatch.setattr("wsgen.ros.environment.environment.SHARED_MEMORY", Path("/nowhere"))
     assert variables_of_simulator({PROFILES: str(ANNOUNCEMENTS)}) == {}

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from wsgen.errors import NotFoundError
-from wsgen.ros_environment import compiler
-from wsgen.ros_environment.compiler import python_headers, system_compiler
-from wsgen.ros_environment.interfaces import (
+from wsgen.ros.environment import compiler
+from wsgen.ros.environment.compiler import python_headers, system_compiler
+from wsgen.ros.environment.interfaces import (
     FOLDER,
     buildable,
     dependencies,
@@ -18,8 +18,8 @@ from wsgen.ros_environment.interfaces import (
     read_interfaces,
     write_interfaces,
 )
-from wsgen.ros_environment.private import pinned
-from wsgen.ros_environment.workspace_messages import _closure, _used
+from wsgen.ros.environment.private import pinned
+from wsgen.ros.environment.workspace_messages import _closure, _used
 
 TYPE = r"([a-z][a-z0-9_]*/)?[A-Za-z][A-Za-z0-9]*(<=\d+)?(\[(<=)?\d*\])?"
 FIELD = re.compile(rf"{TYPE} [a-z][a-z0-9_]*( \S+)?")

@@ -8,8 +8,8 @@ import sys
 import pytest
 
 from ros_for_tests import ros_with, variables_for
-from wsgen.ros_environment import variables_of_nodes
-from wsgen.ros_environment.environment import variables_of_simulator
+from wsgen.ros.environment import variables_of_nodes
+from wsgen.ros.environment.environment import variables_of_simulator
 
 pytestmark = pytest.mark.slow
 COUNT = 20

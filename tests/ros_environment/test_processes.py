@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.ros_environment.processes import hand_over, handed_over, module_command
+from wsgen.ros.environment.processes import hand_over, handed_over, module_command
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -47,7 +47,7 @@ def test_files_of_the_working_folder_are_not_imported(tmp_path: Path, safe: str)
 def test_a_text_of_any_size_is_handed_over() -> None:
     text = "ä" * 200_000
     program = (
-        "import sys; from wsgen.ros_environment.processes import handed_over;"
+        "import sys; from wsgen.ros.environment.processes import handed_over;"
         "print(len(handed_over(sys.argv[1])))"
     )
     number = hand_over(text)

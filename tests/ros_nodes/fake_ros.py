@@ -122,7 +122,7 @@ def install_messages(monkeypatch: pytest.MonkeyPatch) -> None:
             monkeypatch.setitem(sys.modules, package, types.ModuleType(package))
         monkeypatch.setitem(sys.modules, f"{package}.srv", services)
     for name in list(sys.modules):
-        if name.startswith("wsgen.ros_nodes.simulator."):
+        if name.startswith("wsgen.live.nodes.simulator."):
             monkeypatch.delitem(sys.modules, name)
 
 
@@ -164,7 +164,7 @@ class FakeNode:
 
 def _refuse(name: str) -> None:
     """What is no name of ROS."""
-    from wsgen.ros_nodes.simulator.names import BadNameError  # noqa: PLC0415  imported anew
+    from wsgen.live.nodes.simulator.names import BadNameError  # noqa: PLC0415  imported anew
 
     if re.search(r"[^A-Za-z0-9_/~{}]", name):
         raise BadNameError(f"ROS refuses `{name}`.")
@@ -341,7 +341,7 @@ def simulation_of(
     scene: LiveScene, engine: Engine | None = None, ros: FakeRos | None = None
 ) -> tuple[Any, FakeRos]:
     """The simulation of a scene with the rover in it, and its ROS."""
-    from wsgen.ros_nodes.simulator.simulation import LiveSimulation  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.simulation import LiveSimulation  # noqa: PLC0415
 
     ros = ros or FakeRos()
     made = LiveSimulation(scene, engine or rover_engine(), ros, lambda _: None)  # type: ignore[arg-type]

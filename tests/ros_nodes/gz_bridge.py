@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 def bridged(ros: FakeRos, simulation: Any, *rules: tuple[str, str, str, str]) -> None:
     """Bridge topics: that of ROS, that of Gazebo, and the two types."""
-    from wsgen.ros_nodes.simulator.topics import Rule  # noqa: PLC0415  with fakes of messages
+    from wsgen.live.nodes.simulator.topics import Rule  # noqa: PLC0415  with fakes of messages
 
     made = [Rule(topic, gz, kind, f"gz.msgs.{of_gz}") for topic, gz, kind, of_gz in rules]
     simulation.host.gz.open(ros.node("bridge"), made)

@@ -13,7 +13,7 @@ from wsgen.model.world import World
 from wsgen.simulation.bullet import BulletEngine
 from wsgen.simulation.engine import Loaded
 from wsgen.simulation.scene import SpawnedRobot
-from wsgen.xmltree import Malformed, parse
+from wsgen.text.xmltree import Malformed, parse
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

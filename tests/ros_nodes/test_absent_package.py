@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from wsgen.ros_environment.processes import SHIM
+from wsgen.ros.environment.processes import SHIM
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -21,7 +21,7 @@ def graph_without_ros(monkeypatch: pytest.MonkeyPatch) -> Any:
     rclpy.exceptions = types.SimpleNamespace(NameValidationException=NameError)
     monkeypatch.setitem(sys.modules, "rclpy", rclpy)
     monkeypatch.syspath_prepend(SHIM)
-    module = "wsgen.ros_nodes.graph"
+    module = "wsgen.live.nodes.graph"
     monkeypatch.delitem(sys.modules, module, raising=False)
     graph = importlib.import_module(module)
     monkeypatch.delitem(sys.modules, module)

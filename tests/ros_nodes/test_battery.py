@@ -26,7 +26,7 @@ STATE = ("/b", "/model/rover/battery/b/state", "sensor_msgs/msg/BatteryState", "
 @pytest.fixture(autouse=True)
 def _messages(monkeypatch: pytest.MonkeyPatch) -> None:
     install_sensor_messages(monkeypatch)
-    topics = importlib.import_module("wsgen.ros_nodes.simulator.topics")
+    topics = importlib.import_module("wsgen.live.nodes.simulator.topics")
     monkeypatch.setattr(topics, "COUNT_EVERY", -1.0)
 
 

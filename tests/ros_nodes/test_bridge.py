@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.ros_nodes.bridge import BadBridgeError, read_rules, rule_of, rules_of_file, split
+from wsgen.live.nodes.bridge import BadBridgeError, read_rules, rule_of, rules_of_file, split
 
 if TYPE_CHECKING:
     from pathlib import Path

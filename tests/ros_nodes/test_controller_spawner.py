@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from wsgen.ros_nodes.controller_spawner import (
+from wsgen.checks.rules.controllers import _names
+from wsgen.live.nodes.controller_spawner import (
     Wanted,
     full_manager,
     main,
@@ -20,8 +21,7 @@ from wsgen.ros_nodes.controller_spawner import (
     spawn,
     unspawn,
 )
-from wsgen.ros_nodes.signals import ignore_ends
-from wsgen.rules.controllers import _names
+from wsgen.live.nodes.signals import ignore_ends
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -174,7 +174,7 @@ def test_a_signal_while_it_begins_ends_it_without_a_word(monkeypatch: pytest.Mon
         "rclpy.signals": {"SignalHandlerOptions": SimpleNamespace(NO=0)},
         "rclpy.utilities": {"remove_ros_args": lambda args: args},
         "controller_manager_msgs": {},
-        "wsgen.ros_nodes.controller_services": {
+        "wsgen.live.nodes.controller_services": {
             "ManagerClient": None,
             "ServiceMissingError": ValueError,
         },

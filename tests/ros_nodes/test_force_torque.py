@@ -46,7 +46,7 @@ TOPIC = "/world/w/model/rover/joint/tool/sensor/wrist/forcetorque"
 @pytest.fixture(autouse=True)
 def _messages(monkeypatch: pytest.MonkeyPatch) -> None:
     install_sensor_messages(monkeypatch)
-    topics = importlib.import_module("wsgen.ros_nodes.simulator.topics")
+    topics = importlib.import_module("wsgen.live.nodes.simulator.topics")
     monkeypatch.setattr(topics, "COUNT_EVERY", -1.0)
 
 
@@ -189,21 +189,21 @@ def test_plugins_that_cannot_work(content: str, problem: str) -> None:
 
 def test_hardware_and_broadcaster() -> None:
     from ros_nodes.ros2_control.controlled import Node  # noqa: PLC0415
-    from wsgen.ros_nodes.simulator.ros2_control.controllers import (  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.ros2_control.controllers import (  # noqa: PLC0415
         controller_class,
     )
-    from wsgen.ros_nodes.simulator.ros2_control.controllers.base import (  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.ros2_control.controllers.base import (  # noqa: PLC0415
         ControllerError,
         Surroundings,
     )
-    from wsgen.ros_nodes.simulator.ros2_control.hardware import (  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.ros2_control.hardware import (  # noqa: PLC0415
         FORCE_TORQUE,
         Component,
         Interfaces,
         SensorPart,
     )
-    from wsgen.ros_nodes.simulator.ros2_control.parameters import Parameters  # noqa: PLC0415
-    from wsgen.ros_nodes.simulator.ros2_control.sensor_hardware import sensors_of  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.ros2_control.parameters import Parameters  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.ros2_control.sensor_hardware import sensors_of  # noqa: PLC0415
 
     with carrying(Devices(sensors=(sensor(),)), "classic") as (simulation, ros):
         known, unknown = (SensorPart(name, FORCE_TORQUE) for name in ("wrist", "ankle"))

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from ros_nodes.sensor_texts import element
+from wsgen.live.nodes.simulator.sensors.inertial import InertialUnit, reference_of
 from wsgen.model.transform import IDENTITY, Pose, rotation_of_rpy
-from wsgen.ros_nodes.simulator.sensors.inertial import InertialUnit, reference_of
 
 G = 9.8
 STILL = np.zeros(3)

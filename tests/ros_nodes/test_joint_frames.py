@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from wsgen.ros_nodes.joint_frames import RefusedDescriptionError, read_joint_frames
+from wsgen.live.nodes.joint_frames import RefusedDescriptionError, read_joint_frames
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from ros_nodes.sensor_texts import block, element, world_of
+from wsgen.live.nodes.simulator.host import CannotWorkError
+from wsgen.live.nodes.simulator.sensors.lidar_scan import LidarSpec, Scanner, read_lidar
 from wsgen.model.transform import Pose
-from wsgen.ros_nodes.simulator.host import CannotWorkError
-from wsgen.ros_nodes.simulator.sensors.lidar_scan import LidarSpec, Scanner, read_lidar
 
 if TYPE_CHECKING:
     from wsgen.simulation.engine import Engine

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from wsgen.ros_nodes.simulator.pace import Pace
-from wsgen.ros_nodes.simulator.timing import Timer, until_next
+from wsgen.live.nodes.simulator.pace import Pace
+from wsgen.live.nodes.simulator.timing import Timer, until_next
 
 
 class Clock:

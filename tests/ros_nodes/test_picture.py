@@ -11,13 +11,8 @@ import pytest
 from PIL import Image as PillowImage
 
 from ros_nodes.sensor_texts import element
-from wsgen.model.robot import Box, Link, Robot, Sphere, Visual
-from wsgen.model.transform import IDENTITY, Pose
-from wsgen.model.world import World
-from wsgen.rendering.renderer import Light
-from wsgen.rendering.sensor_camera import Exposure, Lens, SensorScene, focal_length
-from wsgen.ros_nodes.simulator.host import CannotWorkError
-from wsgen.ros_nodes.simulator.sensors.picture import (
+from wsgen.live.nodes.simulator.host import CannotWorkError
+from wsgen.live.nodes.simulator.sensors.picture import (
     CameraSpec,
     classic_cloud,
     classic_intrinsics,
@@ -29,6 +24,11 @@ from wsgen.ros_nodes.simulator.sensors.picture import (
     optical_points,
     read_camera,
 )
+from wsgen.model.robot import Box, Link, Robot, Sphere, Visual
+from wsgen.model.transform import IDENTITY, Pose
+from wsgen.model.world import World
+from wsgen.rendering.renderer import Light
+from wsgen.rendering.sensor_camera import Exposure, Lens, SensorScene, focal_length
 from wsgen.simulation.scene import SpawnedRobot
 
 if TYPE_CHECKING:

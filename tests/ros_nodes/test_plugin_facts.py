@@ -22,11 +22,11 @@ from ros_nodes.test_sensors import SURROUNDINGS, mounted, simulated
 from wsgen.gazebo.plugins import CLASSIC, OF_CLASSIC, PLUGINS, SIM, Default, stem
 from wsgen.gazebo.sensors import SYSTEM_OF_SENSOR
 from wsgen.gazebo.systems import DEFAULT_SYSTEMS, systems
+from wsgen.live.nodes.simulator.plugins import PLUGINS as SIMULATED
+from wsgen.live.nodes.simulator.plugins import WORLD_PLUGINS
+from wsgen.live.nodes.simulator.sensors import SENSORS
 from wsgen.model.devices import Devices, Element
 from wsgen.model.world import World
-from wsgen.ros_nodes.simulator.plugins import PLUGINS as SIMULATED
-from wsgen.ros_nodes.simulator.plugins import WORLD_PLUGINS
-from wsgen.ros_nodes.simulator.sensors import SENSORS
 from wsgen.simulation.bullet import BulletEngine
 
 if TYPE_CHECKING:
@@ -216,8 +216,8 @@ def content_of(name: str, *, flags: str = "", **more: str) -> str:
 
 def started(name: str, content: str) -> tuple[list[tuple[str, str, bool]], list[str]]:
     """The topics of a live run: name, type, whether the plugin reads it; and warnings."""
-    from wsgen.ros_nodes.simulator.gz_messages import name_of  # noqa: PLC0415  with fakes
-    from wsgen.ros_nodes.simulator.host import Host  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.gz_messages import name_of  # noqa: PLC0415  with fakes
+    from wsgen.live.nodes.simulator.host import Host  # noqa: PLC0415
 
     found: list[tuple[str, str, bool]] = []
 
@@ -230,7 +230,7 @@ def started(name: str, content: str) -> tuple[list[tuple[str, str, bool]], list[
             found.append((given[2], name_of(given[1]), True))
             super().subscription(*given, **more)
 
-    simulation_module = importlib.import_module("wsgen.ros_nodes.simulator.simulation")
+    simulation_module = importlib.import_module("wsgen.live.nodes.simulator.simulation")
     vars(simulation_module)["Host"] = Listed  # this copy is that of the test
     made = plugin(filename_of(name), content)
     is_of_world = name in WORLD_PLUGINS
@@ -317,7 +317,7 @@ def test_live_runs_read_all_parameters(name: str, monkeypatch: pytest.MonkeyPatc
         return find_all(element, path)
 
     monkeypatch.setattr(Element, "find_all", noted)
-    from wsgen.ros_nodes.simulator.plugins import diff_drive, gz_drive  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.plugins import diff_drive, gz_drive  # noqa: PLC0415
 
     values_of = gz_drive.values_of
 
@@ -361,7 +361,7 @@ def test_sensors_take_the_plugins_that_are_known_and_read_their_parameters(
 
 @pytest.mark.parametrize("name", [*OF_ROBOTS, *WORLD_PLUGINS])
 def test_live_runs_have_the_topics_that_are_known(name: str) -> None:
-    from wsgen.ros_nodes.simulator.gz_messages import PAIRS  # noqa: PLC0415  with fakes
+    from wsgen.live.nodes.simulator.gz_messages import PAIRS  # noqa: PLC0415  with fakes
 
     known, names = PLUGINS[name], {"model": "rover", "world": "w"}
     ways = dict.fromkeys(("", "topic", "sub_topic"), "own/name")

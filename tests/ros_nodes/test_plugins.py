@@ -11,9 +11,9 @@ import pytest
 from ros_nodes.fake_ros import ROVER, live_scene, plugin, rover_engine, simulation_of, still_at
 from ros_nodes.gz_bridge import bridged
 from ros_nodes.sensor_messages import install_sensor_messages
+from wsgen.checks.rules.bodies import DRAGGING_CASTER
 from wsgen.model.robot import Surface
 from wsgen.model.transform import Pose
-from wsgen.rules.bodies import DRAGGING_CASTER
 
 if TYPE_CHECKING:
     from ros_nodes.fake_ros import FakeRos

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from wsgen.ros_nodes.published_joints import (
+from wsgen.live.nodes.published_joints import (
     Dependence,
     DependenceError,
     PublishedJoints,

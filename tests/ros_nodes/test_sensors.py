@@ -46,7 +46,7 @@ MAST = Pose((0.0, 0.0, 0.4))  # in the base, which stands 0.1 m high
 @pytest.fixture(autouse=True)
 def _messages(monkeypatch: pytest.MonkeyPatch) -> None:
     install_sensor_messages(monkeypatch)
-    topics = importlib.import_module("wsgen.ros_nodes.simulator.topics")
+    topics = importlib.import_module("wsgen.live.nodes.simulator.topics")
     monkeypatch.setattr(topics, "COUNT_EVERY", -1.0)  # count subscriptions whenever they are asked
 
 
@@ -105,8 +105,8 @@ def run(
 
 
 def bridge_all(simulation: Any, ros: FakeRos) -> None:
-    from wsgen.ros_nodes.simulator.gz_messages import PAIRS  # noqa: PLC0415  with fakes
-    from wsgen.ros_nodes.simulator.topics import Rule  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.gz_messages import PAIRS  # noqa: PLC0415  with fakes
+    from wsgen.live.nodes.simulator.topics import Rule  # noqa: PLC0415
 
     gz = simulation.host.gz
     kinds = {types[0]: kind for kind, types in PAIRS.items()}
@@ -541,7 +541,7 @@ def test_sensors_of_what_has_exploded_say_nothing(monkeypatch: pytest.MonkeyPatc
 
 def test_a_lidar_takes_no_robot_for_one_that_is_gone() -> None:
     """A robot that is spawned after another one was deleted may lie where that one was."""
-    lidar = importlib.import_module("wsgen.ros_nodes.simulator.sensors.lidar")
+    lidar = importlib.import_module("wsgen.live.nodes.simulator.sensors.lidar")
     view = SimpleNamespace(world=WORLD, poses={"block": {"link": IDENTITY}})
     host = SimpleNamespace(robots={}, view=lambda: view)
     reflections = lidar._Reflections()

@@ -49,7 +49,7 @@ def engine(request: pytest.FixtureRequest) -> Any:
 @pytest.fixture(autouse=True)
 def _messages(monkeypatch: pytest.MonkeyPatch) -> None:
     install_sensor_messages(monkeypatch)
-    topics = importlib.import_module("wsgen.ros_nodes.simulator.topics")
+    topics = importlib.import_module("wsgen.live.nodes.simulator.topics")
     monkeypatch.setattr(topics, "COUNT_EVERY", -1.0)
 
 
@@ -130,7 +130,7 @@ def test_contacts_of_gazebo_sim_are_told_while_something_touches(engine: Any) ->
     )
     falling = SpawnedRobot(entity="f", robot=LOW.robot, pose_in_world=Pose((0.0, 0.0, 0.3)))
     with carried(engine, mounted(bumper, Pose()), falling, simulator="gz") as (simulation, ros):
-        from wsgen.ros_nodes.simulator.topics import Rule  # noqa: PLC0415  with fakes
+        from wsgen.live.nodes.simulator.topics import Rule  # noqa: PLC0415  with fakes
 
         kind = "ros_gz_interfaces/msg/Contacts"
         simulation.host.gz.open(
@@ -152,7 +152,7 @@ def test_an_altimeter_falls(engine: Any) -> None:
     high = SpawnedRobot(entity="f", robot=LOW.robot, pose_in_world=Pose((0.0, 0.0, 3.0)))
     sensor = mounted(text, Pose((0.1, 0.0, 0.5)))
     with carried(engine, sensor, high, simulator="gz") as (simulation, ros):
-        from wsgen.ros_nodes.simulator.topics import Rule  # noqa: PLC0415  with fakes
+        from wsgen.live.nodes.simulator.topics import Rule  # noqa: PLC0415  with fakes
 
         topic = "/world/field/model/f/link/base/sensor/a/altimeter"
         kind = "ros_gz_interfaces/msg/Altimeter"

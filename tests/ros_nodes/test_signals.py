@@ -7,7 +7,7 @@ import sys
 
 PROGRAM = """
 import os, signal, time
-from wsgen.ros_nodes.signals import ignore_ends, raise_when_ended
+from wsgen.live.nodes.signals import ignore_ends, raise_when_ended
 
 class Dropping:
     def __del__(self):
@@ -36,7 +36,7 @@ def test_a_signal_that_a_finalizer_drops_comes_again_once() -> None:
 
 BOTH = """
 import signal
-from wsgen.ros_nodes.signals import ENDING, ignore_ends, raise_when_ended
+from wsgen.live.nodes.signals import ENDING, ignore_ends, raise_when_ended
 
 raise_when_ended()
 try:

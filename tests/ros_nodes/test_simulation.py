@@ -27,9 +27,9 @@ from ros_nodes.fake_ros import (
     still_at,
 )
 from wsgen.isolation.codec import encode
+from wsgen.live.nodes.signals import ignore_ends
 from wsgen.model.devices import Devices, Element, MountedSensor
 from wsgen.model.transform import Pose
-from wsgen.ros_nodes.signals import ignore_ends
 from wsgen.simulation.live_scene import (
     FOLDER_VARIABLE,
     SCENE_FILE,
@@ -75,7 +75,7 @@ def test_what_is_in_the_world_is_there_from_the_beginning() -> None:
 
 
 def test_commands_that_cannot_be_done() -> None:
-    from wsgen.ros_nodes.simulator.simulation import RefusedError  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.simulation import RefusedError  # noqa: PLC0415
 
     simulation, _ = simulation_of(live_scene())
     with pytest.raises(RefusedError, match="spawns no robot `rower`"):
@@ -117,7 +117,7 @@ def test_unknown_plugins_and_wrong_parameters_are_named_once() -> None:
 def test_a_plugin_that_cannot_compute_is_named_and_all_else_goes_on(
     problem: Exception, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from wsgen.ros_nodes.simulator.plugins import diff_drive  # noqa: PLC0415  with fakes
+    from wsgen.live.nodes.simulator.plugins import diff_drive  # noqa: PLC0415  with fakes
 
     def fails(*_: Any) -> None:
         raise problem
@@ -189,7 +189,7 @@ def clock_times(messages: list[Any]) -> list[float]:
 
 
 def test_the_clock_and_the_services_of_classic() -> None:
-    from wsgen.ros_nodes.simulator.services import offer_services  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.services import offer_services  # noqa: PLC0415
 
     simulation, ros = simulation_of(live_scene())
     offer_services(simulation)
@@ -206,8 +206,8 @@ def test_the_clock_and_the_services_of_classic() -> None:
 
 
 def test_the_clock_of_gazebo_sim_needs_a_bridge(tmp_path: Path) -> None:
-    from wsgen.ros_nodes.simulator.services import offer_services  # noqa: PLC0415
-    from wsgen.ros_nodes.simulator.topics import Rule  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.services import offer_services  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.topics import Rule  # noqa: PLC0415
 
     simulation, ros = simulation_of(live_scene(simulator="gz"))
     offer_services(simulation)
@@ -222,13 +222,13 @@ def test_the_clock_of_gazebo_sim_needs_a_bridge(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_the_program_of_a_bridge_ends_without_a_word(tmp_path: Path) -> None:
-    from wsgen.ros_nodes.simulator.commands import CommandServer  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.commands import CommandServer  # noqa: PLC0415
 
     simulation, ros = simulation_of(live_scene(simulator="gz"))
     server = CommandServer(tmp_path, simulation)
     words = ["/clock@rosgraph_msgs/msg/Clock[gz.msgs.Clock", "/a@std_msgs/msg/Bool[gz.msgs.Bol"]
     with subprocess.Popen(
-        [sys.executable, "-m", "wsgen.ros_nodes.bridge", *words, "--ros-args", "-r", "a:=b"],
+        [sys.executable, "-m", "wsgen.live.nodes.bridge", *words, "--ros-args", "-r", "a:=b"],
         env={**os.environ, FOLDER_VARIABLE: str(tmp_path)},
         stderr=subprocess.PIPE,
         text=True,
@@ -249,8 +249,8 @@ def test_the_program_of_a_bridge_ends_without_a_word(tmp_path: Path) -> None:
 def test_the_socket(tmp_path: Path) -> None:
     from threading import Thread  # noqa: PLC0415
 
-    from wsgen.ros_nodes.simulator.commands import CommandServer  # noqa: PLC0415
-    from wsgen.ros_nodes.simulator_client import SimulatorClient, SimulatorError  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.commands import CommandServer  # noqa: PLC0415
+    from wsgen.live.nodes.simulator_client import SimulatorClient, SimulatorError  # noqa: PLC0415
 
     folder = tmp_path / ("long " * 40)  # a name that no address of a socket has room for
     folder.mkdir()
@@ -339,7 +339,7 @@ def test_the_socket(tmp_path: Path) -> None:
 def test_what_comes_with_the_name_of_a_prepared_robot_is_prepared_anew(tmp_path: Path) -> None:
     from queue import SimpleQueue  # noqa: PLC0415
 
-    from wsgen.ros_nodes.simulator.commands import CommandServer, _Connection  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.commands import CommandServer, _Connection  # noqa: PLC0415
 
     there = Pose((0.0, 0.0, 0.1))
     simulation, _ = simulation_of(live_scene(descriptions={"rover": "<robot/>"}))
@@ -393,8 +393,8 @@ def test_what_comes_with_the_name_of_a_prepared_robot_is_prepared_anew(tmp_path:
 
 
 def test_names_that_ros_refuses_are_told_and_all_else_goes_on(tmp_path: Path) -> None:
-    from wsgen.ros_nodes.simulator.commands import CommandServer, _Connection  # noqa: PLC0415
-    from wsgen.ros_nodes.simulator.names import node_name  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.commands import CommandServer, _Connection  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.names import node_name  # noqa: PLC0415
 
     bad = "<ros><namespace>my-robot</namespace></ros>"
     simulation, ros = simulation_of(
@@ -438,7 +438,7 @@ def test_time_passes_up_to_its_limit() -> None:
 
 
 def test_the_pose_log_has_each_robot_as_it_was_spawned(tmp_path: Path) -> None:
-    from wsgen.ros_nodes.simulator.pose_logger import PoseLogger  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.pose_logger import PoseLogger  # noqa: PLC0415
 
     simulation, _ = simulation_of(live_scene())
     logger = PoseLogger(simulation.host, tmp_path)
@@ -475,8 +475,8 @@ def test_the_pose_log_has_each_robot_as_it_was_spawned(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="only Linux has a full device")
 def test_a_full_disk_ends_the_pose_log_and_nothing_else(tmp_path: Path) -> None:
-    from wsgen.ros_nodes.simulator.host import Due  # noqa: PLC0415  with fakes
-    from wsgen.ros_nodes.simulator.pose_logger import PoseLogger  # noqa: PLC0415  likewise
+    from wsgen.live.nodes.simulator.host import Due  # noqa: PLC0415  with fakes
+    from wsgen.live.nodes.simulator.pose_logger import PoseLogger  # noqa: PLC0415  likewise
 
     (tmp_path / POSE_LOG_FILE).symlink_to("/dev/full")
     simulation, ros = simulation_of(live_scene(JOINT_STATES))
@@ -510,7 +510,7 @@ def test_a_signal_while_the_simulator_begins_ends_it_once(
     joined.senders.add("/arm")
     ros: Any = types.ModuleType("ros")
     ros.Ros = lambda _: joined
-    monkeypatch.setitem(sys.modules, "wsgen.ros_nodes.simulator.ros", ros)
+    monkeypatch.setitem(sys.modules, "wsgen.live.nodes.simulator.ros", ros)
     program = _program(monkeypatch)
     monkeypatch.setattr(program, "make_engine", lambda *_: rover_engine())
     monkeypatch.setattr(program, "CommandServer", interrupt)
@@ -533,7 +533,7 @@ def test_a_signal_while_the_simulator_begins_ends_it_once(
 
 def _program(monkeypatch: pytest.MonkeyPatch) -> Any:
     """The module of the simulator's process, with what it imports from ROS replaced."""
-    name = "wsgen.ros_nodes.simulator.__main__"
+    name = "wsgen.live.nodes.simulator.__main__"
     monkeypatch.delitem(sys.modules, name, raising=False)
     program = importlib.import_module(name)
     monkeypatch.delitem(sys.modules, name)
@@ -546,7 +546,7 @@ def test_time_is_slow_until_the_recorder_has_found_the_topics(
 ) -> None:
     module: Any = types.ModuleType("ros")
     module.Ros = None
-    monkeypatch.setitem(sys.modules, "wsgen.ros_nodes.simulator.ros", module)
+    monkeypatch.setitem(sys.modules, "wsgen.live.nodes.simulator.ros", module)
     program = _program(monkeypatch)
     monkeypatch.setattr(program, "LOOK_AT_TOPICS", 0.0)
     simulation, _ = simulation_of(replace(live_scene(), is_recorded=is_recorded))
@@ -566,7 +566,7 @@ def test_time_is_slow_until_the_recorder_has_found_the_topics(
 def test_seconds_that_are_none(tmp_path: Path) -> None:
     from queue import SimpleQueue  # noqa: PLC0415
 
-    from wsgen.ros_nodes.simulator.commands import CommandServer, _Connection  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.commands import CommandServer, _Connection  # noqa: PLC0415
 
     simulation, _ = simulation_of(live_scene(is_stepped=True))
     server = CommandServer(tmp_path, simulation)
@@ -617,7 +617,7 @@ class Silent:
 
 @pytest.fixture
 def _silent(messages: None, monkeypatch: pytest.MonkeyPatch) -> None:
-    simulation = importlib.import_module("wsgen.ros_nodes.simulator.simulation")
+    simulation = importlib.import_module("wsgen.live.nodes.simulator.simulation")
     monkeypatch.setitem(simulation.SENSORS, "gpu_lidar", f"{__name__}:Silent")
     monkeypatch.setattr(Silent, "updates", 0)
 
@@ -674,7 +674,7 @@ def test_a_robot_that_comes_later_brings_the_system_for_all() -> None:
 
 
 def test_without_user_commands_nothing_is_spawned_or_deleted() -> None:
-    from wsgen.ros_nodes.simulator.simulation import RefusedError  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.simulation import RefusedError  # noqa: PLC0415
 
     systems = ("Physics", "SceneBroadcaster")
     simulation, _ = simulation_of(live_scene(simulator="gz", systems=systems))

@@ -7,7 +7,7 @@ import socket
 import threading
 from typing import TYPE_CHECKING
 
-from wsgen.ros_nodes import simulator_time
+from wsgen.live.nodes import simulator_time
 from wsgen.simulation.live_scene import short_name, socket_path
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ import math
 import pytest
 from scipy.spatial.transform import Rotation
 
-from wsgen.ros_nodes.static_transform_arguments import ArgumentsError, parse_arguments
+from wsgen.live.nodes.static_transform_arguments import ArgumentsError, parse_arguments
 
 FRAMES = "--frame-id map --child-frame-id base"
 

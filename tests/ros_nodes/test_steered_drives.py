@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from ros_nodes.fake_ros import FakeRos
-    from wsgen.ros_nodes.simulator.plugins.ackermann import Car
+    from wsgen.live.nodes.simulator.plugins.ackermann import Car
 
 pytestmark = pytest.mark.usefixtures("messages")
 
@@ -77,7 +77,7 @@ def positions(simulation: Any) -> Any:
 
 
 def heading(simulation: Any) -> float:
-    from wsgen.ros_nodes.simulator.messages import yaw_of  # noqa: PLC0415  with fakes
+    from wsgen.live.nodes.simulator.messages import yaw_of  # noqa: PLC0415  with fakes
 
     return yaw_of(simulation.host.robots["rover"].state().xyzw)
 
@@ -110,7 +110,7 @@ def test_a_car_of_gazebo_sim_drives_a_curve() -> None:
 
 
 def simple_car() -> Car:
-    from wsgen.ros_nodes.simulator.plugins.ackermann import Car  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.plugins.ackermann import Car  # noqa: PLC0415
 
     return Car(wheel_base=1.0, separation=1.0, kingpins=0.8, radius=0.2, limit=0.5)
 
@@ -145,7 +145,7 @@ def test_a_wheel_that_is_in_the_middle_of_the_turn_is_steered_by_a_quarter() -> 
 
 def test_the_odometry_of_gazebo_sim_counts_in_steps() -> None:
     """One update of 10 ms is ten of 1 ms, in which it turns before it goes on."""
-    from wsgen.ros_nodes.simulator.plugins.ackermann import CarOdometry  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.plugins.ackermann import CarOdometry  # noqa: PLC0415
 
     once, often = (CarOdometry(0.5, 0.1, 0.001) for _ in range(2))
     for odometry in (once, often):

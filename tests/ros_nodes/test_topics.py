@@ -13,7 +13,7 @@ TWIST = "geometry_msgs/msg/Twist"
 
 
 def topics() -> tuple[Any, FakeRos, list[str]]:
-    from wsgen.ros_nodes.simulator.topics import GzTopics  # noqa: PLC0415  with fakes of messages
+    from wsgen.live.nodes.simulator.topics import GzTopics  # noqa: PLC0415  with fakes of messages
 
     ros = FakeRos()
     warnings: list[str] = []
@@ -21,7 +21,7 @@ def topics() -> tuple[Any, FakeRos, list[str]]:
 
 
 def rule(*values: str) -> Any:
-    from wsgen.ros_nodes.simulator.topics import Rule  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.topics import Rule  # noqa: PLC0415
 
     return Rule(*values)
 
@@ -130,7 +130,7 @@ def test_topics_that_nobody_has_are_named() -> None:
     ],
 )
 def test_types_are_checked(ros_type: str, gz_type: str, message: str | None) -> None:
-    from wsgen.ros_nodes.simulator.topics import problem_of  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.topics import problem_of  # noqa: PLC0415
 
     problem = problem_of(rule("/a", "/a", ros_type, gz_type))
     assert (problem is None) == (message is None)
@@ -138,7 +138,7 @@ def test_types_are_checked(ros_type: str, gz_type: str, message: str | None) -> 
 
 
 def test_two_types_on_a_topic_are_named() -> None:
-    from wsgen.ros_nodes.simulator.topics import Endpoint, mixed_types  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.topics import Endpoint, mixed_types  # noqa: PLC0415
 
     twist, stamped = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
     teleop, bridge = Endpoint("teleop", twist), Endpoint("ros_gz_bridge", stamped)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import pytest
 
 from ros_nodes.sensor_texts import SOLID, block, world_of
-from wsgen.model.robot import Box, Collision, Link, Robot
-from wsgen.model.transform import Pose
-from wsgen.ros_nodes.simulator.sensors.touching import (
+from wsgen.live.nodes.simulator.sensors.touching import (
     GROUND,
     collision_names,
     first_collisions,
     touched,
 )
+from wsgen.model.robot import Box, Collision, Link, Robot
+from wsgen.model.transform import Pose
 from wsgen.simulation.scene import SpawnedRobot
 
 CUBE = Collision(geometry=Box(size=(0.2, 0.2, 0.2)))

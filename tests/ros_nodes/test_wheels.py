@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from wsgen.ros_nodes.simulator.plugins.wheels import WheelOdometry
+from wsgen.live.nodes.simulator.plugins.wheels import WheelOdometry
 
 
 def driven(left: float, right: float, seconds: float, step: float = 0.02) -> WheelOdometry:

@@ -23,7 +23,7 @@ def message(kind: str, **values: Any) -> Any:
 
 
 def test_robots_are_spawned_listed_and_deleted_by_services() -> None:
-    from wsgen.ros_nodes.simulator.world_state import offer_factory  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.world_state import offer_factory  # noqa: PLC0415
 
     simulation, ros = simulation_of(live_scene())
     simulation.prepare = prepared_box
@@ -49,7 +49,7 @@ def test_robots_are_spawned_listed_and_deleted_by_services() -> None:
 
 
 def test_what_the_launch_file_does_not_name_is_spawned() -> None:
-    from wsgen.ros_nodes.simulator.world_state import offer_factory  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.world_state import offer_factory  # noqa: PLC0415
 
     simulation, ros = simulation_of(live_scene())
     simulation.prepare = prepared_box
@@ -74,7 +74,7 @@ def test_what_the_launch_file_does_not_name_is_spawned() -> None:
 
 
 def test_the_namespace_of_a_request_is_that_of_all_plugins() -> None:
-    from wsgen.ros_nodes.simulator.world_state import offer_factory  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.world_state import offer_factory  # noqa: PLC0415
 
     simulation, ros = simulation_of(live_scene())
     drive = plugin("libgazebo_ros_planar_move.so", "<ros><namespace>/old</namespace></ros>")
@@ -93,7 +93,7 @@ def test_the_namespace_of_a_request_is_that_of_all_plugins() -> None:
 
 def prepared_box(new: NewEntity) -> PreparedEntity:
     """What the parent makes of a text; it refuses an empty one."""
-    from wsgen.ros_nodes.simulator.simulation import RefusedError  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.simulation import RefusedError  # noqa: PLC0415
 
     if not new.text:
         raise RefusedError("No text.", "Write one.")

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-SHIM = str(Path(__file__).parents[2] / "src" / "wsgen" / "ros_shim")
+SHIM = str(Path(__file__).parents[2] / "src" / "wsgen" / "ros" / "shim")
 
 sys.path.append(SHIM)  # while these modules are imported
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.ros_environment.processes import SHIM, START
+from wsgen.ros.environment.processes import SHIM, START
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from wsgen.rules.catalogue import unknown_rule_allowed, without_allowed
-from wsgen.rules.robots import MASSLESS_ROOT, NO_VISUAL
-from wsgen.rules.runs import FALLS_WITHOUT_END
+from wsgen.checks.rules.catalogue import unknown_rule_allowed, without_allowed
+from wsgen.checks.rules.robots import MASSLESS_ROOT, NO_VISUAL
+from wsgen.checks.rules.runs import FALLS_WITHOUT_END
 
 ROOT = MASSLESS_ROOT.at(None, message="massless")
 INVISIBLE = NO_VISUAL.at(None, message="invisible")

@@ -8,6 +8,13 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.checks.rules.behaviors import (
+    check_behavior,
+    command_beyond_limit,
+    no_diff_drive,
+    unclear_behavior_robot,
+    unknown_behavior_joint,
+)
 from wsgen.diagnostics import Severity
 from wsgen.model.behavior import (
     Behavior,
@@ -20,13 +27,6 @@ from wsgen.model.behavior import (
     WheelPair,
 )
 from wsgen.model.robot import Joint, JointLimit, JointType, Link, Mimic, Robot
-from wsgen.rules.behaviors import (
-    check_behavior,
-    command_beyond_limit,
-    no_diff_drive,
-    unclear_behavior_robot,
-    unknown_behavior_joint,
-)
 from wsgen.simulation.scene import BehaviorMeasurement
 
 if TYPE_CHECKING:

@@ -7,6 +7,17 @@ from pathlib import Path
 
 import pytest
 
+from wsgen.checks.rules.bodies import (
+    attached_bodies,
+    check_bodies,
+    dragging_casters,
+    extent_of,
+    preserved_movable_joint,
+    slippery_wheels,
+    sticky_wheels,
+    wheel_without_collision,
+)
+from wsgen.checks.rules.plugins import driven_joints
 from wsgen.diagnostics import Severity
 from wsgen.model.robot import (
     Box,
@@ -26,17 +37,6 @@ from wsgen.model.robot import (
     Visual,
 )
 from wsgen.model.transform import Pose
-from wsgen.rules.bodies import (
-    attached_bodies,
-    check_bodies,
-    dragging_casters,
-    extent_of,
-    preserved_movable_joint,
-    slippery_wheels,
-    sticky_wheels,
-    wheel_without_collision,
-)
-from wsgen.rules.plugins import driven_joints
 
 FILE = Path("robot.urdf")
 CUBE = Box(size=(0.2, 0.2, 0.2))

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from wsgen.checks.rules.bridges import BOTH, FROM_GZ, TO_GZ, Bridge, check_bridges, find_bridges
+from wsgen.checks.rules.gazebo_topics import topics_of
+from wsgen.descriptions.sdf.source import read_document
 from wsgen.model.plan import Include, LaunchPlan, Process, Unresolved
-from wsgen.rules.bridges import BOTH, FROM_GZ, TO_GZ, Bridge, check_bridges, find_bridges
-from wsgen.rules.gazebo_topics import topics_of
-from wsgen.sdf.source import read_document
 
 LASER = "/scan@sensor_msgs/msg/LaserScan[gz.msgs.LaserScan"
 ROBOT = """

@@ -9,9 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.diagnostics import Rule, Severity
-from wsgen.fixes.registry import FIXERS
-from wsgen.rules.catalogue import (
+from wsgen.checks.fixes.registry import FIXERS
+from wsgen.checks.rules.catalogue import (
     FAMILIES,
     MODULES,
     UNKNOWN_RULE_ALLOWED,
@@ -20,7 +19,8 @@ from wsgen.rules.catalogue import (
     find_rule,
     to_markdown,
 )
-from wsgen.rules.consequences import CONSEQUENCES
+from wsgen.checks.rules.consequences import CONSEQUENCES
+from wsgen.diagnostics import Rule, Severity
 
 ROOT = Path(__file__).parents[2]
 SOURCE = ROOT / "src" / "wsgen"

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.rules.catalogue import all_rules
-from wsgen.rules.consequences import (
+from wsgen.checks.rules.catalogue import all_rules
+from wsgen.checks.rules.consequences import (
     CONSEQUENCES,
     explains_no_drive,
     fold_consequences,
     joints_beyond_limits,
 )
+from wsgen.diagnostics import Diagnostic, Severity
 
 ERROR, WARNING, INFO = Severity
 

@@ -8,6 +8,8 @@ from dataclasses import replace
 import pytest
 
 from rules.robot_runs import STANDS
+from wsgen.checks.rules.check import check_robot
+from wsgen.checks.rules.check_run import check_run, passive_joints
 from wsgen.diagnostics import Severity
 from wsgen.model.robot import (
     Collision,
@@ -23,8 +25,6 @@ from wsgen.model.robot import (
 )
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
-from wsgen.rules.check import check_robot
-from wsgen.rules.check_run import check_run, passive_joints
 from wsgen.simulation.scene import Overlapping, RobotRun
 
 WORLD = World(name="w", has_ground_plane=True)

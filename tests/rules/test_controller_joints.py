@@ -6,11 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from wsgen import yamlfile
+from wsgen.checks.rules.controller_joints import (
+    Controlled,
+    check_controllers,
+    missing_controller_file,
+)
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.control import ControlledPart, ControlSystem
 from wsgen.model.robot import Joint, JointType, Plugin
-from wsgen.rules.controller_joints import Controlled, check_controllers, missing_controller_file
+from wsgen.text import yamlfile
 
 FILE = Path("controllers.yaml")
 MANAGER = """\

@@ -6,17 +6,17 @@ from pathlib import Path
 
 import pytest
 
-from wsgen import yamlfile
-from wsgen.diagnostics import Severity
-from wsgen.model.plan import LaunchPlan, Process, Unresolved
-from wsgen.rules.controllers import (
+from wsgen.checks.rules.controllers import (
     find_configured,
     former_spawners,
     parameter_files,
     unknown_controllers,
     unknown_types,
 )
-from wsgen.sdf.source import read_document
+from wsgen.descriptions.sdf.source import read_document
+from wsgen.diagnostics import Severity
+from wsgen.model.plan import LaunchPlan, Process, Unresolved
+from wsgen.text import yamlfile
 
 FILE = Path("controllers.yaml")
 TEXT = """\

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.checks.rules.dependencies import check_circles, check_dependencies, common_distros
 from wsgen.diagnostics import Severity
-from wsgen.rules.dependencies import check_circles, check_dependencies, common_distros
-from wsgen.workspace.manifest import Dependency, Manifest
+from wsgen.packages.workspace.manifest import Dependency, Manifest
 
 if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic

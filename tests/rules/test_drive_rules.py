@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from urdf_texts import MASS, link, robot
-from wsgen import yamlfile
+from wsgen.checks.rules.drives import check_drive, check_drive_controller
+from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.diagnostics import Severity
-from wsgen.rules.drives import check_drive, check_drive_controller
-from wsgen.urdf.reader import read_urdf
+from wsgen.text import yamlfile
 
 FILE = Path("robot.urdf")
 MESH = "<mesh filename='wheel.stl'/>"

@@ -11,8 +11,8 @@ import pytest
 
 from planted_examples import NOT_PLANTED, PLANTS, TABLES
 from planted_packages import check_all, complete, write
+from wsgen.checks.rules.catalogue import all_rules
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.rules.catalogue import all_rules
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from wsgen.checks.rules.robots import implausible_mass, implausible_size, number_beyond_engines
 from wsgen.diagnostics import Severity
 from wsgen.model.robot import (
     Box,
@@ -19,7 +20,6 @@ from wsgen.model.robot import (
     Visual,
 )
 from wsgen.model.transform import Pose
-from wsgen.rules.robots import implausible_mass, implausible_size, number_beyond_engines
 
 
 def link(name: str = "a", mass: float = 1.0, geometry: Geometry | None = None) -> Link:

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from wsgen.checks.rules.frames import frames_without_links, known_frames, links_of
 from wsgen.model.plan import LaunchPlan, Process
 from wsgen.model.robot import GazeboTag, Link, Plugin, Robot
-from wsgen.rules.frames import frames_without_links, known_frames, links_of
 
 PLUGIN = Plugin("libgazebo_ros_diff_drive.so", {"robot_base_frame": ("base_link_2",)})
 ROBOT = Robot(

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 from urdf_texts import MASS, joint, link, robot, shape
-from wsgen.rules.bodies import slippery_wheels
-from wsgen.rules.friction import friction_without_direction, turning_friction
-from wsgen.urdf.lumping import lump
-from wsgen.urdf.reader import read_urdf
+from wsgen.checks.rules.bodies import slippery_wheels
+from wsgen.checks.rules.friction import friction_without_direction, turning_friction
+from wsgen.descriptions.urdf.lumping import lump
+from wsgen.descriptions.urdf.reader import read_urdf
 
 if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic

@@ -7,22 +7,22 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.build_files.cmake_checks import DIFFERENT_NAMES, MISSING_INSTALLED_PATH
-from wsgen.build_files.install_checks import FOLDER_NOT_INSTALLED, PROGRAM_NOT_INSTALLED
-from wsgen.build_files.python_checks import BROKEN_SCRIPT
-from wsgen.description_rules import MISSING_COLLISION_MESH
+from wsgen.checks.rules.install_consequences import fold_not_installed
+from wsgen.checks.rules.launch_files import MISSING_ARGUMENT_FILE
+from wsgen.checks.rules.plugins import PLUGIN_OF_OTHER_SIMULATOR
+from wsgen.checks.rules.ros2_control import UNSUITED_HARDWARE
+from wsgen.descriptions.rules import MISSING_COLLISION_MESH
+from wsgen.descriptions.xacro.reader import XACRO_FILE_FAILS
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.launch.explain_missing import (
+from wsgen.launching.explain_missing import (
     EXECUTABLE_NOT_FOUND,
     FILE_NOT_INSTALLED,
     PACKAGE_NOT_FOUND,
     XACRO_FAILS,
 )
-from wsgen.rules.install_consequences import fold_not_installed
-from wsgen.rules.launch_files import MISSING_ARGUMENT_FILE
-from wsgen.rules.plugins import PLUGIN_OF_OTHER_SIMULATOR
-from wsgen.rules.ros2_control import UNSUITED_HARDWARE
-from wsgen.xacro.reader import XACRO_FILE_FAILS
+from wsgen.packages.build_files.cmake_checks import DIFFERENT_NAMES, MISSING_INSTALLED_PATH
+from wsgen.packages.build_files.install_checks import FOLDER_NOT_INSTALLED, PROGRAM_NOT_INSTALLED
+from wsgen.packages.build_files.python_checks import BROKEN_SCRIPT
 
 SRC = Path("/ws/src/crab")
 FOLDERS = {"crab": SRC, "shell": Path("/ws/src/shell")}

@@ -6,9 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.diagnostics import Severity
-from wsgen.model.robot import Box, Collision, GazeboTag, Joint, JointLimit, JointType, Link, Mimic
-from wsgen.rules.joint_limits import (
+from wsgen.checks.rules.joint_limits import (
     limits_in_degrees,
     limits_in_millimeters,
     negative_limits,
@@ -16,6 +14,8 @@ from wsgen.rules.joint_limits import (
     useless_mimics,
     zero_limits,
 )
+from wsgen.diagnostics import Severity
+from wsgen.model.robot import Box, Collision, GazeboTag, Joint, JointLimit, JointType, Link, Mimic
 
 FILE = Path("robot.urdf")
 SLIDES, TURNS = JointType.PRISMATIC, JointType.REVOLUTE

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from wsgen.checks.rules.joint_states import find_providers, no_joint_states
+from wsgen.descriptions.sdf.source import read_document
 from wsgen.model.plan import Include, LaunchPlan, Process, Unresolved
-from wsgen.rules.joint_states import find_providers, no_joint_states
-from wsgen.sdf.source import read_document
 
 if TYPE_CHECKING:
-    from wsgen.xmltree import Element
+    from wsgen.text.xmltree import Element
 
 FILE = Path("robot.launch.py")
 GZ = Include(package="ros_gz_sim", file=Path("gz_sim.launch.py"), evaluated=False)

@@ -8,9 +8,9 @@ from textwrap import dedent
 import pytest
 
 from install_space import HEAD, InstallSpace
+from wsgen.checks.rules import launch_files
 from wsgen.diagnostics import Severity
 from wsgen.model.plan import Include, LaunchPlan, Process
-from wsgen.rules import launch_files
 
 
 def plan(*processes: Process, file: Path = Path("a.launch.py")) -> LaunchPlan:

@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
+from wsgen.checks.rules.behaviors import check_live, launch_not_run
 from wsgen.diagnostics import Severity
 from wsgen.model.behavior import Behavior, LaunchTask, LiveMeasurement
-from wsgen.rules.behaviors import check_live, launch_not_run
 
 FILE = Path("wsgen.toml")
 

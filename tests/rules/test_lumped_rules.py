@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.checks.rules.lumped import lumped_frames, many_links, mass_ratio
+from wsgen.descriptions.urdf.lumping import lump
 from wsgen.diagnostics import Severity
 from wsgen.model.robot import (
     MOST_LINKS,
@@ -21,8 +23,6 @@ from wsgen.model.robot import (
     Robot,
     Sensor,
 )
-from wsgen.rules.lumped import lumped_frames, many_links, mass_ratio
-from wsgen.urdf.lumping import lump
 
 if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic

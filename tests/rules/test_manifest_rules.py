@@ -6,15 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.model.build_facts import BuildFacts, InstalledFile, RequiredPackage
-from wsgen.rules.manifests import (
+from wsgen.checks.rules.manifests import (
     Interfaces,
     check_interfaces,
     check_manifest,
     generated_interfaces,
     unfinished,
 )
-from wsgen.workspace.manifest import Dependency, Entry, Manifest
+from wsgen.model.build_facts import BuildFacts, InstalledFile, RequiredPackage
+from wsgen.packages.workspace.manifest import Dependency, Entry, Manifest
 
 FILE = Path("src/demo/package.xml")
 FOLDER = Path("src/demo")

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.checks.rules.materials import ogre_materials
 from wsgen.diagnostics import Severity
 from wsgen.model.robot import Box, GazeboTag, Link, Visual
-from wsgen.rules.materials import ogre_materials
 
 if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic

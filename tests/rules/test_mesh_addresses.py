@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.markup import elements
-from wsgen.rules.mesh_addresses import mesh_addresses, model_addresses, relative_addresses
+from wsgen.checks.rules.mesh_addresses import mesh_addresses, model_addresses, relative_addresses
+from wsgen.text.markup import elements
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

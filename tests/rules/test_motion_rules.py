@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.checks.rules import runs as rules
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.robot import Joint, JointLimit, JointType
-from wsgen.rules import runs as rules
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -6,10 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from wsgen import yamlfile
-from wsgen.model.plan import Include, LaunchPlan, Process
-from wsgen.rules.bridges import FROM_GZ, TO_GZ, Bridge
-from wsgen.rules.node_topics import (
+from wsgen.checks.rules.bridges import FROM_GZ, TO_GZ, Bridge
+from wsgen.checks.rules.node_topics import (
     Graph,
     UsedTopic,
     graph_of,
@@ -17,7 +15,9 @@ from wsgen.rules.node_topics import (
     unheard_commands,
     unpublished_topics,
 )
-from wsgen.xmltree import Element, parse
+from wsgen.model.plan import Include, LaunchPlan, Process
+from wsgen.text import yamlfile
+from wsgen.text.xmltree import Element, parse
 
 FILE = Path("walk.py")
 LAUNCH = Path("robot.launch.py")

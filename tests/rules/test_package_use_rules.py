@@ -7,9 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.diagnostics import Severity
-from wsgen.model.build_facts import BuildFacts, InstalledFile, RequiredPackage
-from wsgen.rules.package_uses import (
+from wsgen.checks.rules.package_uses import (
     check_required,
     check_tests,
     check_uses,
@@ -17,8 +15,10 @@ from wsgen.rules.package_uses import (
     may_be_unused,
     unused_dependencies,
 )
-from wsgen.workspace.manifest import Dependency, Manifest
-from wsgen.workspace.package_uses import (
+from wsgen.diagnostics import Severity
+from wsgen.model.build_facts import BuildFacts, InstalledFile, RequiredPackage
+from wsgen.packages.workspace.manifest import Dependency, Manifest
+from wsgen.packages.workspace.package_uses import (
     CONTROLLER,
     DESCRIPTION,
     LAUNCH,

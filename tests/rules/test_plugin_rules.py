@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.checks.rules.plugins import PluginFacts, check_plugins, simulator_meant
 from wsgen.diagnostics import Severity
 from wsgen.gazebo.plugins import OF_CLASSIC, PLUGINS, simulator_of, stem
 from wsgen.gazebo.systems import CONTROL, systems
 from wsgen.model.robot import GazeboTag, Joint, JointType, Plugin, Sensor
-from wsgen.rules.plugins import PluginFacts, check_plugins, simulator_meant
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.rules.python_nodes import check_node, idle_program, unspun_node
-from wsgen.workspace.python_nodes import read_node_file
+from wsgen.checks.rules.python_nodes import check_node, idle_program, unspun_node
+from wsgen.packages.workspace.python_nodes import read_node_file
 
 if TYPE_CHECKING:
     from pathlib import Path

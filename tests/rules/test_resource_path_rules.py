@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from wsgen.checks.rules.resource_paths import SearchPath, mesh_packages, no_resource_path
 from wsgen.model.plan import Process
 from wsgen.model.world import Spawn
-from wsgen.rules.resource_paths import SearchPath, mesh_packages, no_resource_path
 
 SPAWNER = Process(package="ros_gz_sim", executable="create", file=Path("a.launch.py"), line=3)
 OF_PACKAGE = '<robot name="r"><mesh filename="package://my_robot/meshes/a.stl"/></robot>'

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.markup import Written, elements
-from wsgen.rules.robot_files import path_of_one_machine, uncalled_macros, unprefixed_xacro
+from wsgen.checks.rules.robot_files import path_of_one_machine, uncalled_macros, unprefixed_xacro
+from wsgen.text.markup import Written, elements
 
 FILE = Path("robot.xacro")
 

@@ -7,6 +7,16 @@ from pathlib import Path
 
 import pytest
 
+from wsgen.checks.rules.robots import (
+    implausible_inertia,
+    loose_joint,
+    massless_root,
+    no_collision,
+    no_visual,
+    oversized_parts,
+    ros_1_plugin,
+    starts_outside_limits,
+)
 from wsgen.diagnostics import Severity
 from wsgen.model.robot import (
     Box,
@@ -23,16 +33,6 @@ from wsgen.model.robot import (
     Plugin,
     Sphere,
     Visual,
-)
-from wsgen.rules.robots import (
-    implausible_inertia,
-    loose_joint,
-    massless_root,
-    no_collision,
-    no_visual,
-    oversized_parts,
-    ros_1_plugin,
-    starts_outside_limits,
 )
 
 FILE = Path("robot.urdf")

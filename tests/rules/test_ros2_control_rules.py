@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.checks.rules.ros2_control import ControlFacts, check_control, transmissions
 from wsgen.diagnostics import Severity
 from wsgen.model.control import ControlledPart, ControlSystem, Transmission
 from wsgen.model.robot import Joint, JointType, Mimic, Plugin
-from wsgen.rules.ros2_control import ControlFacts, check_control, transmissions
 
 if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic

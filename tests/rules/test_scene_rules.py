@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rules.robot_runs import STANDS
+from wsgen.checks.rules import runs as rules
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.outcome import name_engines
 from wsgen.model.transform import Pose
-from wsgen.rules import runs as rules
 from wsgen.simulation.engine import HullGap
 from wsgen.simulation.scene import Overlapping
 

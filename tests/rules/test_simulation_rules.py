@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from wsgen.checks.rules import runs as rules
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.world import SpawnHeight
-from wsgen.rules import runs as rules
 
 ARGUMENTS = SpawnHeight(
     file=Path("r.launch.py"), line=7, option="-z", holder="the arguments of spawn_entity.py"

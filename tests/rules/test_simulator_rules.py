@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from wsgen.checks.rules import simulators
 from wsgen.diagnostics import Severity
-from wsgen.launch.simulators import simulator_kinds
+from wsgen.launching.simulators import simulator_kinds
 from wsgen.model.plan import Include, LaunchPlan, Process, Unresolved
-from wsgen.rules import simulators
 
 FILE = Path("robot.launch.py")
 CLASSIC_SPAWNER = Process(

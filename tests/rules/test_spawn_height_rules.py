@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from wsgen.checks.rules.spawn_heights import check_spawn_height, lowest_point
 from wsgen.model.robot import (
     Box,
     Capsule,
@@ -25,7 +26,6 @@ from wsgen.model.robot import (
 )
 from wsgen.model.transform import Pose
 from wsgen.model.world import SpawnHeight
-from wsgen.rules.spawn_heights import check_spawn_height, lowest_point
 
 HEIGHT = SpawnHeight(
     file=Path("a.launch.py"), line=7, option="-z", holder="the arguments of create", is_given=True

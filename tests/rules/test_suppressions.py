@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from wsgen.checks.rules.catalogue import find_rule
+from wsgen.checks.rules.robots import MASSLESS_ROOT, NO_VISUAL
+from wsgen.checks.rules.runs import FALLS_WITHOUT_END
+from wsgen.checks.rules.suppressions import OF_MACHINE, suppress
+from wsgen.descriptions.urdf.reader import UNKNOWN_URDF_VERSION
 from wsgen.diagnostics import has_errors
-from wsgen.rules.catalogue import find_rule
-from wsgen.rules.robots import MASSLESS_ROOT, NO_VISUAL
-from wsgen.rules.runs import FALLS_WITHOUT_END
-from wsgen.rules.suppressions import OF_MACHINE, suppress
-from wsgen.urdf.reader import UNKNOWN_URDF_VERSION
-from wsgen.workspace.allowances import Allowance
+from wsgen.packages.workspace.allowances import Allowance
 
 PACKAGE = Path("/p")
 ROBOT = PACKAGE / "urdf" / "r.urdf"

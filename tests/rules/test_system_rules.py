@@ -6,12 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.diagnostics import Severity
-from wsgen.gazebo.systems import (
-    DEFAULT_SYSTEMS,
-    plugin_of,
-)
-from wsgen.rules.systems import (
+from wsgen.checks.rules.systems import (
     missing_default_systems,
     missing_sensor_systems,
     needs_of,
@@ -19,8 +14,13 @@ from wsgen.rules.systems import (
     systems_of_world,
     systems_within,
 )
-from wsgen.sdf.source import read_document
-from wsgen.xmltree import Element, children
+from wsgen.descriptions.sdf.source import read_document
+from wsgen.diagnostics import Severity
+from wsgen.gazebo.systems import (
+    DEFAULT_SYSTEMS,
+    plugin_of,
+)
+from wsgen.text.xmltree import Element, children
 
 ALL_DEFAULT = "".join(map(plugin_of, DEFAULT_SYSTEMS))
 POLICY = (

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from wsgen.rules.target import Target, target_of
-from wsgen.workspace.manifest import Dependency, Manifest
+from wsgen.checks.rules.target import Target, target_of
+from wsgen.packages.workspace.manifest import Dependency, Manifest
 
 
 def manifest(*names: str, condition: str | None = None) -> Manifest:

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from wsgen.checks.rules.worlds import check_world
+from wsgen.descriptions.sdf.source import read_document
 from wsgen.gazebo.systems import remark_on, system_of, systems
-from wsgen.rules.worlds import check_world
-from wsgen.sdf.source import read_document
 
 FILE = Path("w.sdf")
 PHYSICS = '<plugin filename="gz-sim-physics-system" name="gz::sim::systems::Physics"/>'

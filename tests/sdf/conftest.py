@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.sdf.lookup import model_finder
-from wsgen.sdf.models import SdfFile, read_sdf
+from wsgen.descriptions.sdf.lookup import model_finder
+from wsgen.descriptions.sdf.models import SdfFile, read_sdf
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.descriptions.sdf.models import read_sdf
 from wsgen.diagnostics import Severity
-from wsgen.sdf.models import read_sdf
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from wsgen.sdf.models import SdfFile
+    from wsgen.descriptions.sdf.models import SdfFile
 
     Read = Callable[..., SdfFile]
 

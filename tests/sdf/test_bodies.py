@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
+    from wsgen.descriptions.sdf.models import SdfFile
     from wsgen.model.robot import Geometry
-    from wsgen.sdf.models import SdfFile
 
     Read = Callable[..., SdfFile]
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.descriptions.sdf.models import read_model, read_sdf
 from wsgen.model.transform import Pose
-from wsgen.sdf.models import read_model, read_sdf
 
 if TYPE_CHECKING:
     from pathlib import Path

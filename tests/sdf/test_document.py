@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from gazebo_oracle import IGN, ign_sdf
+from wsgen.descriptions.sdf.models import read_sdf
 from wsgen.diagnostics import Severity
-from wsgen.sdf.models import read_sdf
 
 if TYPE_CHECKING:
     from pathlib import Path

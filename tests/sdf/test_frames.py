@@ -10,7 +10,7 @@ import pytest
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from wsgen.sdf.models import SdfFile
+    from wsgen.descriptions.sdf.models import SdfFile
 
     Read = Callable[..., SdfFile]
 

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.descriptions.sdf.lookup import Address, address_of, find_in_cache, model_finder
+from wsgen.descriptions.sdf.models import read_model, read_sdf
 from wsgen.diagnostics import Severity
-from wsgen.sdf.lookup import Address, address_of, find_in_cache, model_finder
-from wsgen.sdf.models import read_model, read_sdf
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.descriptions.sdf.lookup import model_finder
+from wsgen.descriptions.sdf.models import read_sdf
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.robot import Link, Robot
 from wsgen.pipeline.prepare import share_on_model_path
-from wsgen.sdf.lookup import model_finder
-from wsgen.sdf.models import read_sdf
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from wsgen.sdf.models import SdfFile
+    from wsgen.descriptions.sdf.models import SdfFile
 
     Read = Callable[..., SdfFile]
 

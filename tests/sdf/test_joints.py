@@ -13,7 +13,7 @@ from wsgen.model.robot import Joint, JointLimit, JointType, Mimic
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from wsgen.sdf.models import SdfFile
+    from wsgen.descriptions.sdf.models import SdfFile
 
     Read = Callable[..., SdfFile]
 

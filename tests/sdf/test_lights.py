@@ -12,7 +12,7 @@ from wsgen.model.world import World
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from wsgen.sdf.models import SdfFile
+    from wsgen.descriptions.sdf.models import SdfFile
 
     Read = Callable[..., SdfFile]
 

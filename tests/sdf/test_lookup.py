@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.sdf.lookup import find_world, is_brought_along, model_finder
+from wsgen.descriptions.sdf.lookup import find_world, is_brought_along, model_finder
 
 
 @pytest.fixture(autouse=True)

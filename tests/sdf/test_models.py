@@ -14,8 +14,8 @@ from wsgen.model.transform import IDENTITY, Pose
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from wsgen.descriptions.sdf.models import SdfFile, SdfModel
     from wsgen.model.robot import Robot
-    from wsgen.sdf.models import SdfFile, SdfModel
 
     Read = Callable[..., SdfFile]
 

@@ -7,18 +7,18 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.descriptions.sdf.lookup import model_finder
+from wsgen.descriptions.sdf.models import read_model, read_sdf
+from wsgen.descriptions.sdf.worlds import default_world
 from wsgen.model.robot import Box, Surface
 from wsgen.model.transform import Pose, compose, rotate, rotation_of_rpy
-from wsgen.sdf.lookup import model_finder
-from wsgen.sdf.models import read_model, read_sdf
-from wsgen.sdf.worlds import default_world
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
+    from wsgen.descriptions.sdf.models import SdfFile
     from wsgen.model.robot import Collision, Robot
-    from wsgen.sdf.models import SdfFile
 
     Read = Callable[..., SdfFile]
 

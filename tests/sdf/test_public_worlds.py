@@ -15,12 +15,12 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from gazebo_oracle import IGN, ign_sdf
+from wsgen.descriptions.sdf.models import SdfModel, read_sdf
 from wsgen.diagnostics import Severity
 from wsgen.model.inertia import about_link_axes
 from wsgen.model.kinematics import split_trees
 from wsgen.model.robot import Inertial, JointType, Robot
 from wsgen.model.transform import IDENTITY, Pose, compose, rotate, rotation_of_rpy
-from wsgen.sdf.models import SdfModel, read_sdf
 
 MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 PACKAGES = (

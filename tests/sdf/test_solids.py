@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
+    from wsgen.descriptions.sdf.models import SdfFile
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.robot import Geometry, Link
-    from wsgen.sdf.models import SdfFile
 
     Read = Callable[..., SdfFile]
 

@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.descriptions.sdf.lookup import model_finder
+from wsgen.descriptions.sdf.models import read_model, read_sdf
+from wsgen.descriptions.sdf.source import is_sdf
 from wsgen.diagnostics import Severity
 from wsgen.model.transform import Pose
-from wsgen.sdf.lookup import model_finder
-from wsgen.sdf.models import read_model, read_sdf
-from wsgen.sdf.source import is_sdf
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from wsgen.sdf.models import SdfFile
+    from wsgen.descriptions.sdf.models import SdfFile
 
 
 LINK = '<link name="l"><pose>0 0 1 0 0 0</pose><inertial><mass>2</mass></inertial>{}</link>'

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from wsgen.sdf.models import SdfFile
+    from wsgen.descriptions.sdf.models import SdfFile
 
     Read = Callable[..., SdfFile]
 

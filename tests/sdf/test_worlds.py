@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.descriptions.sdf.models import read_sdf
+from wsgen.descriptions.sdf.worlds import DEFAULT_WORLD
 from wsgen.diagnostics import Severity
-from wsgen.sdf.models import read_sdf
-from wsgen.sdf.worlds import DEFAULT_WORLD
 
 if TYPE_CHECKING:
     from pathlib import Path

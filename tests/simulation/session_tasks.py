@@ -5,9 +5,9 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
+from wsgen.pipeline.tasks import session
 from wsgen.simulation.engine import Contact, Loaded, Refused, State
 from wsgen.simulation.fake import FakeEngine
-from wsgen.tasks import session
 
 if TYPE_CHECKING:
     from wsgen.isolation.channel import Endpoint

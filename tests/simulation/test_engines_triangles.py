@@ -16,9 +16,9 @@ from PIL import Image
 
 from child_answers import answered
 from simulation.robots import GROUND, VOID, ball_on_mesh, body, joint, single, spawned, tree
-from wsgen.meshes import shape_worker
-from wsgen.meshes.shape_meshes import build_shapes
-from wsgen.meshes.stl import write_stl
+from wsgen.descriptions.meshes import shape_worker
+from wsgen.descriptions.meshes.shape_meshes import build_shapes
+from wsgen.descriptions.meshes.stl import write_stl
 from wsgen.model.robot import (
     Box,
     Collision,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from simulation.robots import GROUND, body, single
-from wsgen.meshes.stl import write_stl
+from wsgen.descriptions.meshes.stl import write_stl
 from wsgen.model.robot import Box, Mesh
 from wsgen.model.transform import Pose
 from wsgen.simulation.scene import SpawnedRobot

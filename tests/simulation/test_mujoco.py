@@ -26,7 +26,7 @@ from simulation.robots import (
     tree,
 )
 from simulation.robots import joint as joint_of
-from wsgen.meshes.stl import write_stl
+from wsgen.descriptions.meshes.stl import write_stl
 from wsgen.model.robot import Box, JointType, Mesh, Sphere
 from wsgen.model.transform import Pose
 from wsgen.simulation.engine import Loaded, Refused

@@ -20,12 +20,12 @@ from kind_workspaces import WORKSPACES
 from simulation.conftest import CLASSES
 from simulation.gazebo_physics import DEBIAN, GazeboPhysics, is_installed
 from simulation.robots import run_of
-from wsgen.meshes.lookup import find_meshes
+from wsgen.descriptions.meshes.lookup import find_meshes
+from wsgen.descriptions.sdf.models import read_model, read_sdf
+from wsgen.descriptions.urdf.lumping import lump
+from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.model.transform import multiply, rotation_of_rpy, transpose
-from wsgen.sdf.models import read_model, read_sdf
 from wsgen.simulation.run import MODULES, missing_engines
-from wsgen.urdf.lumping import lump
-from wsgen.urdf.reader import read_urdf
 
 if TYPE_CHECKING:
     from wsgen.model.robot import Robot

@@ -14,7 +14,7 @@ from PIL import Image
 
 from simulation.gazebo_physics import DEBIAN, GazeboPhysics, is_installed
 from surface_heights import height_at
-from wsgen.meshes.shape_worker import extrusion_triangles, heightmap_surface
+from wsgen.descriptions.meshes.shape_worker import extrusion_triangles, heightmap_surface
 from wsgen.model.robot import Extrusion, Heightmap
 
 if TYPE_CHECKING:

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.model.robot import (
     Box,
     Capsule,
@@ -23,7 +24,6 @@ from wsgen.model.robot import (
 )
 from wsgen.model.transform import Pose
 from wsgen.simulation.urdf_writer import write_urdf
-from wsgen.urdf.reader import read_urdf
 
 ROBOT = Robot(
     name='r "&" <x>',

@@ -7,10 +7,10 @@ import pytest
 
 from wsgen.errors import RequestError
 from wsgen.model.sweep import Axis, Design, Distribution
+from wsgen.packages.workspace.settings import read_settings
+from wsgen.packages.workspace.sweep_settings import SweepSettings
 from wsgen.sweeping.defaults import make_design_with
 from wsgen.sweeping.words import read_axes, read_distributions
-from wsgen.workspace.settings import read_settings
-from wsgen.workspace.sweep_settings import SweepSettings
 
 
 def read(folder: Path) -> SweepSettings:

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.executors.local import LocalExecutor
 from wsgen.isolation.result import Limits
 from wsgen.model.sweep import Variant
 from wsgen.sweeping import run_apart
+from wsgen.sweeping.executors.local import LocalExecutor
 from wsgen.sweeping.run_apart import Order
 from wsgen.sweeping.runner import run_all
 from wsgen.sweeping.subject import SubjectRequest

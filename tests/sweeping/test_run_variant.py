@@ -19,6 +19,7 @@ from wsgen.isolation.result import Died
 from wsgen.model.robot import Box
 from wsgen.model.sweep import Row, Variant
 from wsgen.model.transform import Pose
+from wsgen.packages.workspace.layout import workspace_around
 from wsgen.pipeline.requests import ValidateRequest
 from wsgen.pipeline.validate import validate
 from wsgen.simulation.run import ENGINE_DIED, missing_engines
@@ -26,7 +27,6 @@ from wsgen.sweeping.figures import columns
 from wsgen.sweeping.run_variant import can_run, row_of_death, row_without_run, run_variant
 from wsgen.sweeping.subject import SubjectRequest
 from wsgen.sweeping.subjects import open_subject
-from wsgen.workspace.layout import workspace_around
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -12,23 +12,23 @@ import pytest
 
 from simulation.robots import CYLINDER, PLATE, body, cube_mesh, joint, shape, single, tree
 from sweeping.blueprints import blueprint, prepared, variant
-from wsgen.executors.child import ChildDiedError
-from wsgen.executors.local import LocalExecutor
 from wsgen.isolation.codec import encode
 from wsgen.isolation.result import Died
 from wsgen.model.robot import JointType
 from wsgen.model.sweep import Row
 from wsgen.model.transform import Pose
 from wsgen.simulation.run import missing_engines
+from wsgen.sweeping.executors.child import ChildDiedError
+from wsgen.sweeping.executors.local import LocalExecutor
 from wsgen.sweeping.runner import run_all
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
-    from wsgen.executors.shared import Shared
     from wsgen.model.sweep import Variant
     from wsgen.sweeping.blueprint import Blueprint
+    from wsgen.sweeping.executors.shared import Shared
 
 
 class Scripted:

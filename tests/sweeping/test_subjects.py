@@ -20,6 +20,7 @@ from wsgen.errors import NotFoundError, RequestError
 from wsgen.model.robot import Mesh
 from wsgen.model.sweep import Design, Variant
 from wsgen.model.target import choose_target
+from wsgen.packages.workspace.layout import Workspace
 from wsgen.pipeline.create import create
 from wsgen.pipeline.requests import ValidateRequest
 from wsgen.pipeline.validate import validate
@@ -27,7 +28,6 @@ from wsgen.sweeping.run_variant import run_variant
 from wsgen.sweeping.subject import SubjectRequest
 from wsgen.sweeping.subjects import open_subject
 from wsgen.sweeping.words import make_design, read_axes
-from wsgen.workspace.layout import Workspace
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -260,7 +260,7 @@ def test_meshes_are_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
         monkeypatch.setattr(run.__self__, "_run", count)
         one, other = (subject.prepare({"mass": mass}) for mass in (10.0, 20.0))
         assert mass_of(other) - mass_of(one) == pytest.approx(10.0)
-        assert asked.count("wsgen.meshes.worker:inspect") == 1
+        assert asked.count("wsgen.descriptions.meshes.worker:inspect") == 1
         assert meshes_of(one) == meshes_of(other)
         assert all(path.is_file() for path in meshes_of(one))
 

@@ -12,7 +12,7 @@ import pytest
 
 from build.building import COLCON, outside
 from golden_support import golden_package
-from wsgen.build.toolchain import Wheels, find_toolchain
+from wsgen.building.toolchain import Wheels, find_toolchain
 from wsgen.cli import run as wsgen
 
 if TYPE_CHECKING:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 from urdf_texts import joint, link, robot
+from wsgen.checks.rules.check import check_robot
+from wsgen.descriptions.urdf.lumping import lump
+from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.model.robot import JointType, Robot
 from wsgen.model.transform import Pose
-from wsgen.rules.check import check_robot
-from wsgen.urdf.lumping import lump
-from wsgen.urdf.reader import read_urdf
 
 FLOATING = joint(
     "slot", "frame", "ball", '<origin xyz="-0.1 0 -0.04"/><dynamics damping="1"/>', kind="floating"

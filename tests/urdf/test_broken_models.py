@@ -16,11 +16,11 @@ import pytest
 
 from broken_models import HUGE, MODELS, Broken
 from urdf_texts import MASS, joint, link, robot
+from wsgen.checks.rules.check import check_robot
+from wsgen.checks.rules.robots import implausible_mass, implausible_size, number_beyond_engines
+from wsgen.descriptions.urdf.lumping import lump
+from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.diagnostics import Diagnostic, Severity, has_errors
-from wsgen.rules.check import check_robot
-from wsgen.rules.robots import implausible_mass, implausible_size, number_beyond_engines
-from wsgen.urdf.lumping import lump
-from wsgen.urdf.reader import read_urdf
 
 if TYPE_CHECKING:
     from wsgen.model.robot import Robot

@@ -7,15 +7,15 @@ import math
 
 import pytest
 
+from wsgen.descriptions.urdf.devices import read_devices
+from wsgen.descriptions.urdf.lumping import lump
+from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.isolation.codec import decode, encode
 from wsgen.model.devices import Carried, Devices
 from wsgen.model.transform import Pose, rotation_of_rpy, transpose
 from wsgen.model.world import World
 from wsgen.simulation.live_scene import LiveScene
 from wsgen.simulation.scene import Scene, SpawnedRobot
-from wsgen.urdf.devices import read_devices
-from wsgen.urdf.lumping import lump
-from wsgen.urdf.reader import read_urdf
 
 QUARTER = math.pi / 2
 INERTIAL = (

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import pytest
 
+from wsgen.descriptions.urdf.diff_drive import NoDrive, find_diff_drive
+from wsgen.descriptions.urdf.lumping import lump
+from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.model.behavior import Bounds, DiffDrive, WheelPair
 from wsgen.model.robot import Collision, Robot, Sphere, Surface
-from wsgen.urdf.diff_drive import NoDrive, find_diff_drive
-from wsgen.urdf.lumping import lump
-from wsgen.urdf.reader import read_urdf
 
 MASS = (
     '<inertial><mass value="1"/>'

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from wsgen.source_shares import is_used, serve_sources
-from wsgen.xacro.expansion import expand, expand_for_parent, run_command, warm_up
-from wsgen.xacro.result import Expansion, ExpansionRequest
+from wsgen.descriptions.xacro.expansion import expand, expand_for_parent, run_command, warm_up
+from wsgen.descriptions.xacro.result import Expansion, ExpansionRequest
+from wsgen.packages.source_shares import is_used, serve_sources
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from urdf_texts import MASS, SPHERE, joint, link, robot, shape
+from wsgen.descriptions.urdf.lumping import lump
+from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.robot import Robot, Surface
-from wsgen.urdf.lumping import lump
-from wsgen.urdf.reader import read_urdf
 
 TOUCH = shape("collision", SPHERE)
 SEEN = shape("visual", SPHERE)

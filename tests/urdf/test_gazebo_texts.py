@@ -8,8 +8,8 @@ import pytest
 
 from gazebo_oracle import IGN, differences, is_taken, model_of
 from urdf_texts import ERRORS, TWO, WARNINGS, joint, link, robot, shape
-from wsgen.urdf.lumping import lump
-from wsgen.urdf.reader import read_urdf
+from wsgen.descriptions.urdf.lumping import lump
+from wsgen.descriptions.urdf.reader import read_urdf
 
 if TYPE_CHECKING:
     from pathlib import Path

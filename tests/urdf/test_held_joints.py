@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from wsgen.urdf.reader import read_urdf
+from wsgen.descriptions.urdf.reader import read_urdf
 
 ROBOT = """<robot name="r">
 <link name="a"/><link name="b"/><link name="c"/>

@@ -7,6 +7,8 @@ from dataclasses import replace
 
 import pytest
 
+from wsgen.descriptions.urdf.lumping import lump, parts_of_impossible_sums
+from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.diagnostics import Severity
 from wsgen.model.robot import (
     Collision,
@@ -22,8 +24,6 @@ from wsgen.model.robot import (
     Visual,
 )
 from wsgen.model.transform import IDENTITY, Pose
-from wsgen.urdf.lumping import lump, parts_of_impossible_sums
-from wsgen.urdf.reader import read_urdf
 
 UNIT = (1.0, 0.0, 0.0, 1.0, 0.0, 1.0)
 

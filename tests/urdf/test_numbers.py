@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from wsgen.urdf.values import leading_float, leading_integer, parse_number
+from wsgen.descriptions.urdf.values import leading_float, leading_integer, parse_number
 
 
 @pytest.mark.parametrize(

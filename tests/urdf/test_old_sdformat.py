@@ -8,11 +8,11 @@ import pytest
 
 from gazebo_oracle import IGN, is_taken, model_of
 from urdf_texts import MASS, joint, link, robot
+from wsgen.descriptions.urdf.lumping import lump
+from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.isolation import parent
 from wsgen.pipeline.prepare import PrepareContext, prepare_robot
-from wsgen.urdf.lumping import lump
-from wsgen.urdf.reader import read_urdf
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -13,9 +13,9 @@ import xacro
 
 from gazebo_oracle import IGN, differences, is_taken, model_of
 from public_robots import CUT, REFUSED, ROBOTS, find_robot
+from wsgen.descriptions.urdf.lumping import lump
+from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.diagnostics import Severity
-from wsgen.urdf.lumping import lump
-from wsgen.urdf.reader import read_urdf
 
 if TYPE_CHECKING:
     from pathlib import Path

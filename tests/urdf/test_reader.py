@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from urdf_texts import ERRORS, MASS, SPHERE, TWO, WARNINGS, joint, link, robot, shape
+from wsgen.descriptions.urdf.lumping import lump
+from wsgen.descriptions.urdf.reader import TEXT_LIMIT, read_urdf
 from wsgen.diagnostics import Severity
 from wsgen.model.robot import Box, Cylinder, JointType, Mesh, Plugin, Sensor, Sphere
 from wsgen.model.transform import Pose
-from wsgen.urdf.lumping import lump
-from wsgen.urdf.reader import TEXT_LIMIT, read_urdf
 
 FILE = Path("robot.urdf")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from urdf_texts import link, robot
-from wsgen.urdf.reader import read_urdf
+from wsgen.descriptions.urdf.reader import read_urdf
 
 
 def test_a_second_axis_is_no_misspelling() -> None:

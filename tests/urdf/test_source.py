@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from wsgen.descriptions.urdf.reader import read_urdf
+from wsgen.descriptions.xacro.source import place_in_source, without_call
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.urdf.reader import read_urdf
-from wsgen.xacro.source import place_in_source, without_call
 
 MAIN = """<?xml version="1.0"?>
 <robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="r">

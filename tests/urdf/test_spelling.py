@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.urdf.reader import read_urdf
 
 ROBOT = """<robot name="r">
   <link name="a">

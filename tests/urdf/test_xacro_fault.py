@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 import xacro
 
-from wsgen.xacro.expansion import Watch, expand, explain_error
+from wsgen.descriptions.xacro.expansion import Watch, expand, explain_error
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.model.transform import Pose
-    from wsgen.viewing.drawing import DrawnRobot
+    from wsgen.reporting.viewing.drawing import DrawnRobot
 
 # A gray post with an arm that turns to the right and to the left.
 ARM = """\

@@ -19,8 +19,8 @@ from chromium import needs_chromium, open_chromium
 from viewing.robots import ARM, write_crane
 from wsgen.pipeline.describe import describe
 from wsgen.pipeline.requests import ValidateRequest
-from wsgen.viewing import view as module
-from wsgen.viewing.view import View, choose_port
+from wsgen.reporting.viewing import view as module
+from wsgen.reporting.viewing.view import View, choose_port
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -46,7 +46,7 @@ def chromium() -> Iterator[Chromium]:
 @contextmanager
 def showing(file: Path) -> Iterator[tuple[View, Any]]:
     """The robot of a file on a page."""
-    from wsgen.viewing.page import JointPage  # noqa: PLC0415  it may not be installed
+    from wsgen.reporting.viewing.page import JointPage  # noqa: PLC0415  it may not be installed
 
     request = ValidateRequest(files=(file,), engines=(), is_viewed=True)
     view = View(lambda folder: describe(None, request, folder, environment=os.environ))
@@ -208,10 +208,10 @@ def test_layers_and_changes_of_files_are_shown(
 def test_a_simulation_is_paused_stepped_and_pushed(chromium: Chromium, tmp_path: Path) -> None:
     from viewing.test_play import BOX, FOUND  # noqa: PLC0415
     from wsgen.model.transform import Pose  # noqa: PLC0415
+    from wsgen.reporting.viewing.play import Player  # noqa: PLC0415
+    from wsgen.reporting.viewing.simulation_page import SimulationPage  # noqa: PLC0415
     from wsgen.simulation.scene import Scene, SpawnedRobot  # noqa: PLC0415
     from wsgen.simulation.session import Session  # noqa: PLC0415
-    from wsgen.viewing.play import Player  # noqa: PLC0415
-    from wsgen.viewing.simulation_page import SimulationPage  # noqa: PLC0415
 
     assert FOUND.world is not None
     robots = (SpawnedRobot(entity="box", robot=BOX, pose_in_world=Pose((0.0, 0.0, 0.5))),)

@@ -24,7 +24,7 @@ from wsgen.model.robot import (
 from wsgen.model.transform import Pose, quaternion_of_rpy, rotation_of_quaternion
 from wsgen.pipeline.describe import DescribedScene
 from wsgen.pipeline.prepare import PreparedRobot
-from wsgen.viewing.drawing import DrawnRobot, draw, draw_simulated, inertia_box
+from wsgen.reporting.viewing.drawing import DrawnRobot, draw, draw_simulated, inertia_box
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -21,15 +21,15 @@ from ros_nodes.fake_ros import (
     still_at,
 )
 from viewing.robots import FakeViewer
-from wsgen.files import write_file
 from wsgen.isolation.codec import encode
+from wsgen.live.nodes.simulator_client import SimulatorError
 from wsgen.model.robot import Box, Collision, Link, Robot
-from wsgen.ros_nodes.simulator_client import SimulatorError
+from wsgen.reporting.viewing import live_run
+from wsgen.reporting.viewing.commands import Command, Push, Reset, SetRunning, Step
+from wsgen.reporting.viewing.live_run import Launched, RunView, showing_run
 from wsgen.simulation.live_scene import SCENE_FILE
 from wsgen.simulation.scene import SpawnedRobot
-from wsgen.viewing import live_run
-from wsgen.viewing.commands import Command, Push, Reset, SetRunning, Step
-from wsgen.viewing.live_run import Launched, RunView, showing_run
+from wsgen.text.files import write_file
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -83,7 +83,7 @@ class Run:
     """A simulator with a rover and a wall, and the view of it."""
 
     def __init__(self, folder: Path, motion: Callable[[float], State] | None = None) -> None:
-        from wsgen.ros_nodes.simulator.commands import CommandServer  # noqa: PLC0415
+        from wsgen.live.nodes.simulator.commands import CommandServer  # noqa: PLC0415
 
         live = live_scene()
         wall = SpawnedRobot(entity="wall", robot=WALL, is_static_model=True)

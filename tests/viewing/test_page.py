@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from wsgen.viewing.view import choose_port
+from wsgen.reporting.viewing.view import choose_port
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -27,7 +27,7 @@ NO_CHARACTER = os.fsdecode(b"\xff")
 
 @pytest.fixture(scope="module")
 def page() -> Iterator[Any]:
-    from wsgen.viewing.page import JointPage  # noqa: PLC0415  viser may not be installed
+    from wsgen.reporting.viewing.page import JointPage  # noqa: PLC0415  viser may not be installed
 
     page = JointPage(host=HOST, port=choose_port(HOST, None), title=f"robot {NO_CHARACTER}")
     yield page
@@ -104,8 +104,8 @@ def test_the_page_of_a_run_goes_along_with_the_robots() -> None:
     from viewing.test_live_run import WALL  # noqa: PLC0415
     from viewing.test_play import BOX  # noqa: PLC0415
     from wsgen.model.transform import Pose  # noqa: PLC0415
-    from wsgen.viewing.drawing import draw_simulated  # noqa: PLC0415
-    from wsgen.viewing.run_page import RunPage  # noqa: PLC0415
+    from wsgen.reporting.viewing.drawing import draw_simulated  # noqa: PLC0415
+    from wsgen.reporting.viewing.run_page import RunPage  # noqa: PLC0415
 
     page = RunPage(host=HOST, port=choose_port(HOST, None), title="run")
     try:
@@ -140,8 +140,8 @@ def test_the_page_of_a_run_goes_along_with_the_robots() -> None:
 def test_inputs_may_be_used_before_there_is_a_robot() -> None:
     from viewing.test_play import BOX  # noqa: PLC0415  as above
     from wsgen.model.transform import Pose  # noqa: PLC0415
-    from wsgen.viewing.drawing import draw_simulated  # noqa: PLC0415
-    from wsgen.viewing.run_page import RunPage  # noqa: PLC0415
+    from wsgen.reporting.viewing.drawing import draw_simulated  # noqa: PLC0415
+    from wsgen.reporting.viewing.run_page import RunPage  # noqa: PLC0415
 
     page: Any = RunPage(host=HOST, port=choose_port(HOST, None), title="run")
     try:

@@ -15,11 +15,11 @@ from wsgen.model.transform import Pose
 from wsgen.model.world import World
 from wsgen.pipeline.describe import DescribedScene
 from wsgen.pipeline.prepare import PreparedRobot
+from wsgen.reporting.viewing.commands import Command, Push, Reset, SetRunning, Step
+from wsgen.reporting.viewing.play import Player
 from wsgen.simulation.engine import Refused
 from wsgen.simulation.scene import Scene, SpawnedRobot
 from wsgen.simulation.session import Session
-from wsgen.viewing.commands import Command, Push, Reset, SetRunning, Step
-from wsgen.viewing.play import Player
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -98,7 +98,7 @@ class Game:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.now = 0.0
-        monkeypatch.setattr("wsgen.viewing.play.time.sleep", self.sleep)
+        monkeypatch.setattr("wsgen.reporting.viewing.play.time.sleep", self.sleep)
         self.viewer = Viewer()
         self.sessions: list[FakeSession] = []
         self.player = Player(FOUND, self.start, self.viewer, clock=lambda: self.now)  # type: ignore[arg-type]

@@ -12,12 +12,12 @@ import pytest
 
 from viewing.robots import ARM, PARTS, FakeViewer, write_crane
 from wsgen.errors import NotFoundError, RequestError, WsgenError
-from wsgen.files import write_file
+from wsgen.packages.workspace.layout import open_workspace
 from wsgen.pipeline.describe import DescribedScene, describe
 from wsgen.pipeline.requests import ValidateRequest
-from wsgen.viewing import view as module
-from wsgen.viewing.view import View, check_viewer, choose_port
-from wsgen.workspace.layout import open_workspace
+from wsgen.reporting.viewing import view as module
+from wsgen.reporting.viewing.view import View, check_viewer, choose_port
+from wsgen.text.files import write_file
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -164,7 +164,7 @@ def test_an_address_of_another_machine_is_refused(host: str) -> None:
 
 
 def test_without_the_library_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wsgen.viewing.viewer_library.LIBRARY", "no_such_library")
+    monkeypatch.setattr("wsgen.reporting.viewing.viewer_library.LIBRARY", "no_such_library")
     with pytest.raises(NotFoundError) as caught:
         check_viewer()
     assert caught.value.hint == "Install it: pip install 'wsgen[view]'"

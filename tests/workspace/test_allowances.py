@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.workspace.allowances import comments_in, find_comments
-from wsgen.workspace.settings import read_settings
+from wsgen.packages.workspace.allowances import comments_in, find_comments
+from wsgen.packages.workspace.settings import read_settings
 
 FILE = Path("f")
 

@@ -6,7 +6,7 @@ import pytest
 
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.behavior import Behavior, Drive, LaunchTask, Reach
-from wsgen.workspace.settings import read_settings
+from wsgen.packages.workspace.settings import read_settings
 
 DRIVES = """[[behavior]]
 name = "drives"

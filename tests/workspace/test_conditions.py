@@ -2,7 +2,7 @@
 
 import pytest
 
-from wsgen.workspace.conditions import holds
+from wsgen.packages.workspace.conditions import holds
 
 
 @pytest.mark.parametrize(

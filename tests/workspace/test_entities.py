@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wsgen.workspace.layout import Workspace, spawned_entities
+from wsgen.packages.workspace.layout import Workspace, spawned_entities
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from build.building import PACKAGE_XML, write_package
-from wsgen.build.request import refuse_empty
+from wsgen.building.request import refuse_empty
 from wsgen.errors import NotFoundError, RequestError
-from wsgen.workspace.layout import (
+from wsgen.packages.workspace.layout import (
     Workspace,
     find_launch_files,
     find_packages,

@@ -8,8 +8,8 @@ import pytest
 
 from build.building import PACKAGE_XML
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.workspace.manifest import RUN_TAGS, Dependency, Manifest, read_manifest
-from wsgen.workspace.package_xml import check_package_xml, is_plain
+from wsgen.packages.workspace.manifest import RUN_TAGS, Dependency, Manifest, read_manifest
+from wsgen.packages.workspace.package_xml import check_package_xml, is_plain
 
 
 def write(folder: Path, text: str | bytes) -> Path:
@@ -194,7 +194,7 @@ def test_what_it_dislikes(tmp_path: Path) -> None:
 
 
 def test_listing_packages_does_not_load_catkin_pkg() -> None:
-    code = "import sys, wsgen.build.run; sys.exit('catkin_pkg' in sys.modules)"
+    code = "import sys, wsgen.building.run; sys.exit('catkin_pkg' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
@@ -219,7 +219,7 @@ def test_what_is_accepted_without_catkin_pkg(
     manifest = read_manifest(file)
     assert isinstance(manifest, Manifest)
     assert is_plain(manifest)
-    monkeypatch.setattr("wsgen.workspace.package_xml.is_plain", lambda _: False)
+    monkeypatch.setattr("wsgen.packages.workspace.package_xml.is_plain", lambda _: False)
     assert check_package_xml(file) == ()
 
 
@@ -263,7 +263,7 @@ def test_what_catkin_pkg_looks_at(old: str, new: str, tmp_path: Path) -> None:
 def test_a_plain_manifest_is_checked_without_catkin_pkg(tmp_path: Path) -> None:
     code = (
         "import sys; from pathlib import Path\n"
-        "from wsgen.workspace.package_xml import check_package_xml\n"
+        "from wsgen.packages.workspace.package_xml import check_package_xml\n"
         "assert check_package_xml(Path(sys.argv[1])) == ()\n"
         "assert not any(name.startswith('catkin_pkg') for name in sys.modules)"
     )

@@ -8,9 +8,9 @@ import pytest
 
 from build.building import build_here, link_programs, outside, write_package
 from wsgen.errors import NotFoundError, NotReadableError, RequestError
-from wsgen.source_shares import name_sources
-from wsgen.workspace.layout import Workspace
-from wsgen.workspace.overlay import open_overlay, require_share, source_overlay
+from wsgen.packages.source_shares import name_sources
+from wsgen.packages.workspace.layout import Workspace
+from wsgen.packages.workspace.overlay import open_overlay, require_share, source_overlay
 
 pytestmark = pytest.mark.slow
 

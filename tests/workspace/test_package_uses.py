@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from wsgen.model.build_facts import BuildFacts, InstalledFile
-from wsgen.workspace.package_uses import (
+from wsgen.packages.workspace.package_uses import (
     CONTROLLER,
     DESCRIPTION,
     LAUNCH,

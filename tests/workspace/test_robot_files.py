@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from wsgen.workspace.robot_files import find_descriptions, find_robot_files
+from wsgen.packages.workspace.robot_files import find_descriptions, find_robot_files
 
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 

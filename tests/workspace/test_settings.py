@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from wsgen.diagnostics import Severity
-from wsgen.workspace.settings import read_settings
+from wsgen.packages.workspace.settings import read_settings
 
 
 def test_no_file_is_no_wish(tmp_path: Path) -> None:

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.workspace.settings import read_settings
-from wsgen.workspace.sweep_settings import SweepSettings
+from wsgen.packages.workspace.settings import read_settings
+from wsgen.packages.workspace.sweep_settings import SweepSettings
 
 WHOLE = """\
 [validate]

@@ -73,7 +73,7 @@ class Commands(click.Group):
         if name == HELP:
             return name, self, rest
         if name not in known and not name.startswith("-") and not ctx.resilient_parsing:
-            from wsgen.suggestions import nearest
+            from wsgen.text.suggestions import nearest
 
             near = nearest(name, known) or " | ".join(known)
             raise RequestError(
@@ -339,7 +339,7 @@ def _print_usage_error(
     if error.message.startswith("Usage: "):  # click gives the help to whom gives no words
         error.show()
         return
-    from wsgen.suggestions import did_you_mean
+    from wsgen.text.suggestions import did_you_mean
 
     message, near = error.format_message(), None
     if isinstance(error, click.NoSuchOption):
@@ -367,7 +367,7 @@ def _explain_library(error: ImportError) -> WsgenError | None:
 
 
 def _explain_disk(error: OSError) -> WsgenError | None:
-    from wsgen.files import explain_disk_error
+    from wsgen.text.files import explain_disk_error
 
     return explain_disk_error(error)
 

@@ -85,13 +85,13 @@ def build_workspace(
     import os
     import shlex
 
-    from wsgen.build.run import build
-    from wsgen.build.without_ros import NOT_COMPILED
+    from wsgen.building.run import build
+    from wsgen.building.without_ros import NOT_COMPILED
     from wsgen.cli.output import render_alike, render_diagnostics
     from wsgen.cli.progress import listening
     from wsgen.cli.words import announce_place, next_command
     from wsgen.diagnostics import Severity
-    from wsgen.workspace.layout import open_workspace
+    from wsgen.packages.workspace.layout import open_workspace
 
     place = open_workspace(workspace)
     announce_place(place, workspace)
@@ -108,7 +108,7 @@ def build_workspace(
         for text in result.unexplained_output:
             echo(f"       {text}", err=True)
     if output_format == "json":
-        from wsgen.report.json_report import render_build
+        from wsgen.reporting.json_report import render_build
 
         echo(render_build(result), nl=False)
     else:

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
     from pathlib import Path
 
+    from wsgen.checks.fixes.plan import FixPlan
     from wsgen.events import Listener
-    from wsgen.fixes.plan import FixPlan
     from wsgen.pipeline.check import CheckOutcome, CheckRequest
     from wsgen.pipeline.reported import Filters, Reported
 
@@ -181,7 +181,7 @@ def command(
 def _announce(paths: tuple[str, ...], workspace: str | None) -> None:
     """Say whose files will be fixed, where no path does."""
     from wsgen.cli.words import announce_place
-    from wsgen.workspace.layout import open_workspace
+    from wsgen.packages.workspace.layout import open_workspace
 
     if not paths:
         announce_place(open_workspace(workspace), workspace)
@@ -191,7 +191,7 @@ def _write_summary(outcome: CheckOutcome, reported: Reported, file: str | None) 
     if file is not None:
         from pathlib import Path
 
-        from wsgen.report.markdown import summarize_check
+        from wsgen.reporting.markdown import summarize_check
 
         append_summary(file, summarize_check(outcome, reported, Path.cwd()))
 
@@ -201,9 +201,9 @@ def _run(
 ) -> tuple[CheckOutcome, Reported]:
     import os
 
-    from wsgen.files import remembering
     from wsgen.pipeline.check import check
     from wsgen.pipeline.reported import filter_outcome
+    from wsgen.text.files import remembering
 
     with remembering():
         with _listening(quiet=quiet, verbose=verbose) as listener:
@@ -223,8 +223,8 @@ def _listening(*, quiet: bool, verbose: bool) -> AbstractContextManager[Listener
 
 def _plan(outcome: CheckOutcome, reported: Reported, *, with_notes: bool) -> FixPlan:
     """The fixes of what is reported; notes are fixed if they are shown or selected."""
+    from wsgen.checks.fixes.plan import plan_fixes
     from wsgen.diagnostics import Severity
-    from wsgen.fixes.plan import plan_fixes
 
     roots = (*outcome.only, *outcome.files) if outcome.only else ()
     roots = roots or (*outcome.folders.values(), *outcome.files)
@@ -243,8 +243,8 @@ def _fix_all(
     """Apply fixes and check again until there are no more; the number of fixes."""
     from pathlib import Path
 
+    from wsgen.checks.fixes.plan import write_fixes
     from wsgen.cli.words import short_name
-    from wsgen.fixes.plan import write_fixes
 
     fixed, written = 0, set[Path]()
     for _ in range(MOST_ROUNDS):
@@ -263,8 +263,8 @@ def _fix_all(
 def _print_diff(plan: FixPlan) -> None:
     import sys
 
+    from wsgen.checks.fixes.plan import unified_diff
     from wsgen.cli.words import short_path
-    from wsgen.fixes.plan import unified_diff
 
     colors = {"+": "green", "-": "red", "@": "cyan"}
     for fix in plan.files:
@@ -277,8 +277,8 @@ def _print_diff(plan: FixPlan) -> None:
 
 def _write_baseline(reported: Reported, file: Path) -> None:
     from wsgen.cli.words import short_name
-    from wsgen.files import write_file
     from wsgen.pipeline.baseline import render_baseline
+    from wsgen.text.files import write_file
 
     found = (*reported.diagnostics, *reported.known)
     write_file(file, render_baseline(found, file.absolute().parent))
@@ -299,7 +299,7 @@ def _print(
     folder, found = Path.cwd(), reported.diagnostics
     if output_format == "text" and not found and not (verbose and reported.allowed):
         return
-    from wsgen.report.places import Places
+    from wsgen.reporting.places import Places
 
     places = Places()
     if output_format == "text":
@@ -308,7 +308,7 @@ def _print(
         for line in render_report(reported, places, quiet=quiet, verbose=verbose):
             echo(line)
         return
-    from wsgen.report import check_formats
+    from wsgen.reporting import check_formats
 
     if output_format == "github":
         for line in check_formats.render_github(found, places, folder, verbose=verbose):

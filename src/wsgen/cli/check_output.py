@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wsgen.alike import summed_up
 from wsgen.cli.output import COLORS, ORDER
 from wsgen.cli.terminal import draw_table
 from wsgen.cli.words import short_name
 from wsgen.diagnostics import Severity
+from wsgen.model.alike import summed_up
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.pipeline.check import CheckOutcome
     from wsgen.pipeline.reported import Reported
-    from wsgen.report.places import Place, Places
+    from wsgen.reporting.places import Place, Places
 
 
 WIDEST = 120  # columns of a source line that is shown; of a longer one, the part around the place

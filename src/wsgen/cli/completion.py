@@ -39,7 +39,7 @@ def _completer(find: Callable[[click.Context], Iterable[str]], *, also: str = ""
 
 def _packages(ctx: click.Context) -> Iterable[str]:
     """The packages of the workspace that are not on the command line yet."""
-    from wsgen.workspace.layout import find_packages, open_workspace
+    from wsgen.packages.workspace.layout import find_packages, open_workspace
 
     named = {*(ctx.params.get("packages") or ()), *(ctx.params.get("names") or ())}
     place = open_workspace(ctx.params.get("workspace"))
@@ -48,7 +48,7 @@ def _packages(ctx: click.Context) -> Iterable[str]:
 
 def _launch_files(ctx: click.Context) -> Iterable[str]:
     """The launch files of the packages on the command line; of all packages if none is."""
-    from wsgen.workspace.layout import find_launch_files
+    from wsgen.packages.workspace.layout import find_launch_files
 
     # Behind `--launch`, whose value is still to come, click has not sorted the words yet.
     named = ctx.params.get("names") or ctx.args or _packages(ctx)
@@ -64,7 +64,7 @@ def _share(ctx: click.Context, package: str) -> Path:
     import os
     from pathlib import Path
 
-    from wsgen.workspace.layout import find_packages, open_workspace
+    from wsgen.packages.workspace.layout import find_packages, open_workspace
 
     place = open_workspace(ctx.params.get("workspace"))
     sourced = filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep))
@@ -77,7 +77,7 @@ def _share(ctx: click.Context, package: str) -> Path:
 def _programs(ctx: click.Context) -> Iterable[str]:
     """The programs of the package on the command line."""
     from wsgen.live.program import executables
-    from wsgen.workspace.layout import open_workspace
+    from wsgen.packages.workspace.layout import open_workspace
 
     package = ctx.params["package"]
     install = open_workspace(ctx.params.get("workspace")).install
@@ -95,7 +95,7 @@ def _templates(_ctx: click.Context) -> Iterable[str]:
 
 
 def _rules(_ctx: click.Context) -> Iterable[str]:
-    from wsgen.rules.catalogue import FAMILIES, all_rules
+    from wsgen.checks.rules.catalogue import FAMILIES, all_rules
 
     return [*FAMILIES, *(name for rule in all_rules() for name in (rule.code, rule.name))]
 

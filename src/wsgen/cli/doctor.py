@@ -59,7 +59,7 @@ def command(
     target = chosen_target(ctx, distro, sim)
     report = check_machine(here(os.environ), target, today=time.strftime("%Y-%m-%d"))
     if output_format == "json":
-        from wsgen.report.json_report import render_doctor_report
+        from wsgen.reporting.json_report import render_doctor_report
 
         echo(render_doctor_report(report), nl=False)
     else:
@@ -76,7 +76,7 @@ def _recorded() -> str | None:
     if not files:
         return None
     from wsgen.model.facts import DISTROS
-    from wsgen.workspace.settings import read_settings
+    from wsgen.packages.workspace.settings import read_settings
 
     found = {read_settings(file.parent)[0].distro for file in files}
     return next(iter(found)) if len(found) == 1 and found <= {*DISTROS} else None

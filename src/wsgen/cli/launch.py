@@ -402,7 +402,7 @@ def _version(file: Path | None) -> tuple[int, int] | None:
 
 def _write(plan: LaunchPlan, *, output_format: str, show_arguments: bool, quiet: bool) -> None:
     if output_format == "json":
-        from wsgen.report.json_report import render_plan
+        from wsgen.reporting.json_report import render_plan
 
         echo(render_plan(plan), nl=False)
         return

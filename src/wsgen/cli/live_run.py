@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from wsgen.live.run import RunEnd
     from wsgen.model.behavior import BehaviorRun, LiveMeasurement
     from wsgen.pipeline.requests import SelectedLaunchFile, ValidateRequest
-    from wsgen.ros_environment import RosEnvironment
-    from wsgen.viewing.run_page import RunPage
+    from wsgen.reporting.viewing.run_page import RunPage
+    from wsgen.ros.environment import RosEnvironment
 
 
 class PageOptions(NamedTuple):
@@ -37,7 +37,7 @@ def choose_page(host: str, port: int | None, *, opens: bool) -> PageOptions:
         NotFoundError: The library for it is not installed.
         RequestError: The port is taken, or the address not one of this machine.
     """
-    from wsgen.viewing.view import check_viewer, choose_port
+    from wsgen.reporting.viewing.view import check_viewer, choose_port
 
     check_viewer()
     return PageOptions(host, choose_port(host, port), opens)
@@ -75,7 +75,7 @@ def run(
     from wsgen.live.prepare import RunRequest
     from wsgen.live.run import run_launch
     from wsgen.pipeline.engines import check_engines
-    from wsgen.ros_environment import open_ros
+    from wsgen.ros.environment import open_ros
 
     take_all_signals()
     check_engines(request.engines)
@@ -189,7 +189,7 @@ def _next_steps(
     import shlex
 
     from wsgen.cli.words import engine_words, short_name, workspace_words
-    from wsgen.viewing.viewer_library import INSTALL, is_viewer_installed
+    from wsgen.reporting.viewing.viewer_library import INSTALL, is_viewer_installed
 
     label = "Next:"
     workspace = workspace_words(selected.workspace)
@@ -266,13 +266,13 @@ def _showing(
 ) -> AbstractContextManager[None]:
     """Show the run of a folder in the browser."""
     from wsgen.cli.browser import announce
-    from wsgen.viewing.live_run import Launched, showing_run
-    from wsgen.viewing.view import not_listening
+    from wsgen.reporting.viewing.live_run import Launched, showing_run
+    from wsgen.reporting.viewing.view import not_listening
 
     name = selected.package or selected.file.name
 
     def open_page() -> RunPage:
-        from wsgen.viewing.run_page import RunPage
+        from wsgen.reporting.viewing.run_page import RunPage
 
         try:
             made = RunPage(host=page.host, port=page.port, title=name)
@@ -304,9 +304,9 @@ def run_for_behaviors(
 
 def _print(diagnostics: tuple[Diagnostic, ...], *, verbose: bool) -> None:
 
-    from wsgen.alike import summed_up
     from wsgen.cli.output import MOST_ALIKE, render_diagnostics, without_notes
     from wsgen.diagnostics import has_errors
+    from wsgen.model.alike import summed_up
 
     most_alike = None if verbose else MOST_ALIKE
     if not verbose and not has_errors(diagnostics):

@@ -142,7 +142,7 @@ def command(
     _print_notes(created, verbose=verbose)
     goes_on = then_build or then_validate
     if output_format == "json":
-        from wsgen.report.json_report import render_created
+        from wsgen.reporting.json_report import render_created
 
         echo(render_created(created), nl=False)
     elif dry_run or not quiet:  # --dry-run is for the list of files
@@ -184,7 +184,7 @@ def _note(text: str) -> None:
 def _print_text(created: CreatedPackage, *, goes_on: bool) -> None:
     """Print what was written; the next step, unless wsgen `goes_on` to take it."""
     from wsgen.cli.words import next_command, short_name
-    from wsgen.printable import clean_line
+    from wsgen.text.printable import clean_line
 
     workspace, folder = created.workspace, created.folder
     beside = [workspace.root / name for name in created.workspace_files]

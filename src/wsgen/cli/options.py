@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 import click
 
 from wsgen.errors import RequestError
-from wsgen.suggestions import did_you_mean, nearest
+from wsgen.text.suggestions import did_you_mean, nearest
 
 if TYPE_CHECKING:
     from wsgen.model.target import Target

@@ -31,9 +31,9 @@ def view_simulation(
     from wsgen.pipeline.describe import describe_launch
     from wsgen.pipeline.engines import check_engines
     from wsgen.pipeline.run_robots import spawned_robots
+    from wsgen.reporting.viewing.view import check_viewer, choose_port
     from wsgen.simulation.scene import Scene
     from wsgen.simulation.session import Session
-    from wsgen.viewing.view import check_viewer, choose_port
 
     check_viewer()
     check_engines(request.engines)
@@ -49,8 +49,8 @@ def view_simulation(
         robots = spawned_robots(runnable)
         scene = Scene(world=found.world, robots=robots, engine=request.engines[0])
         # It takes half a second to import, and serves nothing that has an error.
-        from wsgen.viewing.play import Player
-        from wsgen.viewing.simulation_page import SimulationPage
+        from wsgen.reporting.viewing.play import Player
+        from wsgen.reporting.viewing.simulation_page import SimulationPage
 
         with suppress(KeyboardInterrupt):
             page = SimulationPage(host=host, port=port, title=found.name)

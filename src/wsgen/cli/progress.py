@@ -10,7 +10,7 @@ import click
 
 from wsgen.cli.terminal import echo
 from wsgen.events import Event, Listener, OutputLine, StepEnded, StepProgressed, StepStarted
-from wsgen.printable import clean_line
+from wsgen.text.printable import clean_line
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

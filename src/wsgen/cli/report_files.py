@@ -64,7 +64,7 @@ def require_places(*files: str | None) -> None:
 def require_libraries(html_file: str | None) -> None:
     """Refuse a page whose plots cannot be drawn, before anything is simulated."""
     if html_file is not None:
-        from wsgen.report.plotly_library import require_plotly
+        from wsgen.reporting.plotly_library import require_plotly
 
         require_plotly()
 
@@ -84,21 +84,21 @@ def write_reports(
 
     folder = Path.cwd()
     if junit_file is not None:
-        from wsgen.files import write_file
-        from wsgen.report.cases import outcome_suites
-        from wsgen.report.junit import render_suites
+        from wsgen.reporting.cases import outcome_suites
+        from wsgen.reporting.junit import render_suites
+        from wsgen.text.files import write_file
 
         suites = outcome_suites(outcome, folder)
         seconds = sum(suite.seconds for suite in suites)
         text = render_suites("wsgen validate", suites, seconds=seconds, with_files=with_files())
         write_file(Path(junit_file), text)
     if summary_file is not None:
-        from wsgen.report.markdown import summarize_outcome
+        from wsgen.reporting.markdown import summarize_outcome
 
         append_summary(summary_file, summarize_outcome(outcome, folder))
     if html_file is not None:
-        from wsgen.files import write_file
-        from wsgen.report.html_report import render_page
+        from wsgen.reporting.html_report import render_page
+        from wsgen.text.files import write_file
 
         write_file(Path(html_file), render_page(outcome, folder))
         if not quiet:
@@ -109,7 +109,7 @@ def append_summary(file: str, text: str) -> None:
     """Append a summary to the file, which may have those of earlier commands."""
     from pathlib import Path
 
-    from wsgen.files import append_text
+    from wsgen.text.files import append_text
 
     append_text(Path(file), text)
 

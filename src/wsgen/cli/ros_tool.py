@@ -78,8 +78,8 @@ def start_tool(
 
     from wsgen.cli.progress import listening
     from wsgen.isolation.parent import not_started
-    from wsgen.ros_environment import open_ros, variables_of_nodes
-    from wsgen.ros_environment.processes import hand_over, module_command
+    from wsgen.ros.environment import open_ros, variables_of_nodes
+    from wsgen.ros.environment.processes import hand_over, module_command
     from wsgen.simulation.live_runs import DOMAIN, find_runs
 
     environment = overlay_environment((ctx.parent or ctx).params.get("workspace"))
@@ -112,7 +112,7 @@ def start_tool(
     sys.stdout.flush()
     try:
         number = hand_over(json.dumps(request))
-        command = module_command(ros.python, "wsgen.ros_nodes.graph_tool", number)
+        command = module_command(ros.python, "wsgen.live.nodes.graph_tool", number)
         os.execve(command[0], command, variables)  # noqa: S606  no shell is wanted
     except OSError as error:
         raise not_started(error) from error
@@ -125,8 +125,8 @@ def overlay_environment(workspace: str | None) -> Mapping[str, str]:
     """The variables with the overlay of the workspace, whose messages are wanted."""
     import os
 
-    from wsgen.workspace.layout import workspace_if_any
-    from wsgen.workspace.overlay import SETUPS, source_overlay
+    from wsgen.packages.workspace.layout import workspace_if_any
+    from wsgen.packages.workspace.overlay import SETUPS, source_overlay
 
     found = workspace_if_any(workspace)
     if found is None or not any((found.install / one).is_file() for one in SETUPS.values()):

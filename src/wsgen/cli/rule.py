@@ -21,8 +21,8 @@ def command(
     verbose: bool,  # noqa: ARG001  nothing is left out
 ) -> int:
     """List all rules, or show the documentation of the rule with this CODE or NAME."""
+    from wsgen.checks.rules.catalogue import all_rules, find_rule, to_markdown
     from wsgen.cli.terminal import draw_markdown, draw_table
-    from wsgen.rules.catalogue import all_rules, find_rule, to_markdown
 
     rules = all_rules()
     if name is not None:
@@ -31,12 +31,12 @@ def command(
             raise _unknown(name)
         rules = (rule,)
     if output_format == "json":
-        from wsgen.report.json_report import render_rules
+        from wsgen.reporting.json_report import render_rules
 
         echo(render_rules(rules), nl=False)
         return EXIT_PASSED
     if name is not None:
-        from wsgen.fixes.registry import FIXERS
+        from wsgen.checks.fixes.registry import FIXERS
 
         text = to_markdown(rules[0], has_fix=rules[0].name in FIXERS)
         lines = draw_markdown(text, quiet=quiet)
@@ -49,8 +49,8 @@ def command(
 
 
 def _unknown(name: str) -> RequestError:
-    from wsgen.rules.catalogue import all_rules
-    from wsgen.suggestions import ask_for_nearest
+    from wsgen.checks.rules.catalogue import all_rules
+    from wsgen.text.suggestions import ask_for_nearest
 
     names = [one for rule in all_rules() for one in (rule.name, rule.code)]
     return RequestError(

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from pathlib import Path
     from typing import NoReturn
 
-    from wsgen.ros_environment import RosEnvironment
+    from wsgen.ros.environment import RosEnvironment
 
 PYTHON = ".py"
 
@@ -53,14 +53,14 @@ def command(
     from wsgen.cli.output import render_diagnostics
     from wsgen.cli.progress import listening
     from wsgen.cli.ros_tool import overlay_environment
-    from wsgen.files import LARGEST_TEXT, read_regular
     from wsgen.live.linux import require_linux
     from wsgen.live.messages import messages_of_packages, messages_of_text
     from wsgen.live.program import find_command
+    from wsgen.packages.workspace.layout import find_packages, workspace_if_any
+    from wsgen.packages.workspace.overlay import overlay_of
     from wsgen.pipeline.changed_since_build import changed_since_build, shares_of, with_needs
-    from wsgen.ros_environment import open_ros, variables_of_nodes
-    from wsgen.workspace.layout import find_packages, workspace_if_any
-    from wsgen.workspace.overlay import overlay_of
+    from wsgen.ros.environment import open_ros, variables_of_nodes
+    from wsgen.text.files import LARGEST_TEXT, read_regular
 
     require_linux("wsgen run", "wsgen launch --play simulates the robots here.")
     script = _script(package, executable)
@@ -141,7 +141,7 @@ def _script(given: str, executable: str | None) -> Path | None:
     import os
     from pathlib import Path
 
-    from wsgen.files import refuse_irregular
+    from wsgen.text.files import refuse_irregular
 
     path = Path(given)
     is_named = os.sep in given or path.suffix == PYTHON

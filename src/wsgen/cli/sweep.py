@@ -31,9 +31,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.model.target import Target
+    from wsgen.packages.workspace.layout import Workspace
+    from wsgen.packages.workspace.sweep_settings import SweepSettings
     from wsgen.sweeping.sweep import SweepOutcome
-    from wsgen.workspace.layout import Workspace
-    from wsgen.workspace.sweep_settings import SweepSettings
 
 
 class SweepCommand(ExampleCommand):
@@ -200,13 +200,13 @@ def command(
     from wsgen.cli.sweep_progress import SweepProgress
     from wsgen.cli.validate import is_file_name
     from wsgen.cli.words import launch_file_of, split_launch_arguments
+    from wsgen.packages.workspace.sweep_settings import SweepSettings
     from wsgen.pipeline.load_scene import BrokenSceneError
     from wsgen.sweeping.defaults import make_design_with
     from wsgen.sweeping.subject import SubjectRequest
     from wsgen.sweeping.sweep import DEFAULT_SECONDS, SweepRequest, sweep
     from wsgen.sweeping.words import read_axes, read_distributions
     from wsgen.sweeping.worst import read_choice
-    from wsgen.workspace.sweep_settings import SweepSettings
 
     named = launch_file_of([name or ""], launch_file)
     around = None
@@ -221,7 +221,7 @@ def command(
     files = [Path(file) for file in plots]
     require_places(out, *plots)
     for file in files:
-        from wsgen.report.sweep_plot import check_plot
+        from wsgen.reporting.sweep_plot import check_plot
 
         check_plot(file)
     request = SweepRequest(
@@ -255,8 +255,8 @@ def command(
     def show(outcome: SweepOutcome) -> None:
         progress.hide()
         for file in files:
-            from wsgen.files import write_file
-            from wsgen.report.sweep_plot import render_plot
+            from wsgen.reporting.sweep_plot import render_plot
+            from wsgen.text.files import write_file
 
             write_file(file, render_plot(file, outcome.data, outcome.summary, outcome.name))
         if output_format == "text":
@@ -309,9 +309,9 @@ def _settings(place: Workspace | None, package: str) -> SweepSettings | None:
     """What the package's wsgen.toml says of sweeps; None where it has errors, which are printed."""
     from wsgen.cli.output import render_diagnostics
     from wsgen.diagnostics import Severity
-    from wsgen.workspace.layout import find_packages
-    from wsgen.workspace.settings import read_settings
-    from wsgen.workspace.sweep_settings import SweepSettings
+    from wsgen.packages.workspace.layout import find_packages
+    from wsgen.packages.workspace.settings import read_settings
+    from wsgen.packages.workspace.sweep_settings import SweepSettings
 
     sources = [] if place is None else find_packages(place)
     for source in sources:

@@ -51,7 +51,7 @@ def command(
         return _check(name, output_format)
     templates = [load_template(one) for one in ([name] if name else template_names())]
     if output_format == "json":
-        from wsgen.report.json_report import render_templates
+        from wsgen.reporting.json_report import render_templates
 
         echo(render_templates(templates), nl=False)
     elif name:
@@ -70,7 +70,7 @@ def _check(name: str, output_format: str) -> int:
 
     found = _diagnose(name)
     if output_format == "json":
-        from wsgen.report.json_report import render_template_check
+        from wsgen.reporting.json_report import render_template_check
 
         echo(render_template_check(found), nl=False)
     else:

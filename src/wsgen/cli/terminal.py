@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
-from wsgen.printable import clean_line, clean_styled
+from wsgen.text.printable import clean_line, clean_styled
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence

@@ -38,8 +38,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.model.outcome import Outcome, PackageOutcome
+    from wsgen.packages.workspace.layout import Workspace
     from wsgen.pipeline.requests import ValidateRequest
-    from wsgen.workspace.layout import Workspace
 
 
 MOST_SEARCHED = 100  # folders, for packages and files to suggest
@@ -177,8 +177,8 @@ def refuse_folder(folder: Path, *, command: str = "validate") -> RequestError:
     """The error for a folder in place of a package or file; the hint names those in it."""
     from itertools import islice
 
+    from wsgen.packages.workspace.layout import crawl, read_package
     from wsgen.pipeline.requests import FILE_SUFFIXES
-    from wsgen.workspace.layout import crawl, read_package
 
     named = []
     for place, files in islice(crawl(folder), MOST_SEARCHED):
@@ -261,10 +261,10 @@ def _next_steps(
 
     from wsgen.cli.words import engine_words, workspace_words
     from wsgen.isolation.system import has_guards
-    from wsgen.ros_environment.environment import why_no_ros
-    from wsgen.ros_environment.wheels import EXTRA
-    from wsgen.viewing.viewer_library import is_viewer_installed
-    from wsgen.workspace.overlay import SOURCE_USED
+    from wsgen.packages.workspace.overlay import SOURCE_USED
+    from wsgen.reporting.viewing.viewer_library import is_viewer_installed
+    from wsgen.ros.environment.environment import why_no_ros
+    from wsgen.ros.environment.wheels import EXTRA
 
     label = "Next:"
     arguments = [f"{name}:={value}" for name, value in request.launch_arguments.items()]
@@ -324,7 +324,7 @@ def _as_colcon_says(
         return workspace
     from pathlib import Path
 
-    from wsgen.workspace.layout import Workspace
+    from wsgen.packages.workspace.layout import Workspace
 
     return Workspace(
         root=Path(workspace or ".").absolute(),
@@ -338,7 +338,7 @@ def open_workspace_of(given: str | Workspace | None, request: ValidateRequest) -
 
     Files belong to the clone around them, not to that around the current folder.
     """
-    from wsgen.workspace.layout import Workspace, open_workspace
+    from wsgen.packages.workspace.layout import Workspace, open_workspace
 
     if isinstance(given, Workspace):
         return given
@@ -376,8 +376,8 @@ def _print_github(outcome: Outcome, *, verbose: bool) -> None:
     """Print the annotations of GitHub for what is reported, each once."""
     from pathlib import Path
 
-    from wsgen.report.check_formats import render_github
-    from wsgen.report.places import Places
+    from wsgen.reporting.check_formats import render_github
+    from wsgen.reporting.places import Places
 
     found = dict.fromkeys(one for package in outcome.packages for one in package.diagnostics)
     for line in render_github(found, Places(), Path.cwd(), verbose=verbose):
@@ -388,13 +388,13 @@ def _write_json(outcome: Outcome, *, output_format: str, json_file: str | None) 
     """Write the JSON to the file, standard output, both or neither."""
     if json_file is None and output_format != "json":
         return
-    from wsgen.report.json_report import render_outcome
+    from wsgen.reporting.json_report import render_outcome
 
     document = render_outcome(outcome)
     if json_file:
         from pathlib import Path
 
-        from wsgen.files import write_file
+        from wsgen.text.files import write_file
 
         write_file(Path(json_file), document)
     if output_format == "json":

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.pipeline.describe import DescribedScene
-    from wsgen.viewing.view import View
+    from wsgen.reporting.viewing.view import View
 
 
 @click.command(
@@ -73,7 +73,7 @@ def command(
     from wsgen.cli.words import launch_file_of, split_launch_arguments
     from wsgen.pipeline.describe import describe
     from wsgen.pipeline.requests import ValidateRequest
-    from wsgen.viewing.view import View, check_viewer, choose_port
+    from wsgen.reporting.viewing.view import View, check_viewer, choose_port
 
     check_viewer()
     port = choose_port(host, port)
@@ -120,7 +120,7 @@ def _serve(
 
     from wsgen.cli.browser import announce
     from wsgen.cli.words import short_path
-    from wsgen.viewing.page import JointPage
+    from wsgen.reporting.viewing.page import JointPage
 
     def report(changed: Sequence[str], found: DescribedScene | WsgenError) -> None:
         if not quiet:

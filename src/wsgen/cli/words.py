@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 
 from wsgen.cli.terminal import echo
 from wsgen.errors import NotFoundError, RequestError
-from wsgen.printable import clean_line
+from wsgen.text.printable import clean_line
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
     from pathlib import Path
 
+    from wsgen.packages.workspace.layout import Workspace
     from wsgen.pipeline.requests import ValidateRequest
-    from wsgen.workspace.layout import Workspace
 
 
 def split_launch_arguments(words: Iterable[str]) -> dict[str, str]:
@@ -49,15 +49,15 @@ def launch_file_of(
     """
     from pathlib import Path
 
-    from wsgen.pipeline.launch_file_lookup import packages_with
-    from wsgen.pipeline.plan_launch import package_of
-    from wsgen.workspace.layout import (
+    from wsgen.packages.workspace.layout import (
         LAUNCH_FILES,
         find_launch_files,
         has_launch_function,
         workspace_around,
         workspace_if_any,
     )
+    from wsgen.pipeline.launch_file_lookup import packages_with
+    from wsgen.pipeline.plan_launch import package_of
 
     given = [
         name
@@ -145,7 +145,7 @@ def announce_place(workspace: Workspace, given: str | None) -> None:
 
     Not if it was `given`.
     """
-    from wsgen.workspace.layout import current_folder
+    from wsgen.packages.workspace.layout import current_folder
 
     here = current_folder()
     if given is None and workspace.root in here.parents:
@@ -164,7 +164,7 @@ def engine_words(request: ValidateRequest) -> list[str]:
 
 def workspace_words(workspace: Workspace | None) -> list[str]:
     """`-w` for the workspace, unless the current folder is in it."""
-    from wsgen.workspace.layout import open_workspace
+    from wsgen.packages.workspace.layout import open_workspace
 
     try:
         is_meant = workspace is None or open_workspace(None).root == workspace.root

@@ -15,16 +15,16 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from wsgen.build.toolchain import find_toolchain
+from wsgen.building.toolchain import find_toolchain
 from wsgen.errors import NotFoundError, NotReadableError
 from wsgen.isolation import parent
 from wsgen.isolation.result import Died
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from wsgen.build.toolchain import Toolchain
+    from wsgen.building.toolchain import Toolchain
 
 
 OS_RELEASE = ("etc/os-release", "usr/lib/os-release")  # the first that exists

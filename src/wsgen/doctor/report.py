@@ -8,7 +8,7 @@ from __future__ import annotations
 import shlex
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.build.toolchain import MAKE_PROGRAMS, SourcedRos, fetch_arguments
+from wsgen.building.toolchain import MAKE_PROGRAMS, SourcedRos, fetch_arguments
 from wsgen.doctor.machine import Requirement, names_in_apt, read_os_release, ros_prefixes
 from wsgen.errors import WsgenError
 from wsgen.isolation.missing_library import find_missing_library
@@ -25,8 +25,8 @@ from wsgen.model.installation import (
     ros_packages,
 )
 from wsgen.model.target import Target, end_of_life_note
-from wsgen.ros_environment.machines import why_not
-from wsgen.ros_environment.sourced import check_rclpy, sourced_prefix
+from wsgen.ros.environment.machines import why_not
+from wsgen.ros.environment.sourced import check_rclpy, sourced_prefix
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

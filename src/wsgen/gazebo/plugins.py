@@ -11,7 +11,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.values import lazy_pattern
+from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
     from wsgen.model.robot import Robot

@@ -9,8 +9,8 @@ import re
 from functools import cache
 from typing import NamedTuple
 
-from wsgen.suggestions import nearest
-from wsgen.values import lazy_pattern
+from wsgen.text.suggestions import nearest
+from wsgen.text.values import lazy_pattern
 
 # Library, without its prefix and suffix -> its class; where that is not the name in CamelCase, it
 # follows the name after a colon.

@@ -31,7 +31,7 @@ from wsgen.isolation.result import (
     read_lateness,
     read_tail,
 )
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 try:
     import resource

@@ -17,8 +17,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from wsgen.files import forget_remembered
 from wsgen.isolation import child, parent
+from wsgen.text.files import forget_remembered
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

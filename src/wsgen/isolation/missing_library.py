@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from wsgen.values import lazy_pattern
+from wsgen.text.values import lazy_pattern
 
 # Debian's and Ubuntu's package of each library that the wheels for Linux may leave to the system.
 DEBIAN_PACKAGES = {

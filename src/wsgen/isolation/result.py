@@ -9,9 +9,9 @@ import signal
 from typing import TYPE_CHECKING, Any, Literal
 
 from wsgen.errors import EXIT_STOPPED
-from wsgen.files import explain_write_error, full_folder
 from wsgen.isolation.missing_library import find_missing_library
-from wsgen.values import dataclass
+from wsgen.text.files import explain_write_error, full_folder
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.errors import RequestError
-from wsgen.files import read_regular_text
-from wsgen.launch import commands
+from wsgen.launching import commands
 from wsgen.live.programs import PLUGINS
-from wsgen.suggestions import ask_for_nearest, some_of
+from wsgen.text.files import read_regular_text
+from wsgen.text.suggestions import ask_for_nearest, some_of
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator

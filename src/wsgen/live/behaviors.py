@@ -1,4 +1,4 @@
-"""Run a launch file for the behaviors that ask for it, and measure; `wsgen.rules` checks."""
+"""Run a launch file for the behaviors that ask for it, and measure; `wsgen.checks.rules` checks."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from wsgen.live.tracebacks import LastTraceback, find_source
 from wsgen.model.behavior import LiveMeasurement
 from wsgen.model.time_series import TimeSeries
 from wsgen.model.transform import rotation_of_quaternion
+from wsgen.packages.workspace.layout import find_packages
 from wsgen.pipeline.changed_since_build import shares_of
 from wsgen.simulation.engine import State
 from wsgen.simulation.odometer import Odometer, heading_of
 from wsgen.simulation.sampling import DIGITS, TOLERANCE
-from wsgen.workspace.layout import find_packages
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -9,15 +9,15 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from wsgen.checks.rules.target import target_of
 from wsgen.model.facts import DISTROS
 from wsgen.model.target import DISTROS_WITH_CLASSIC, Target
-from wsgen.rules.target import target_of
 
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-    from wsgen.ros_environment import RosEnvironment
-    from wsgen.workspace.manifest import Manifest
+    from wsgen.packages.workspace.manifest import Manifest
+    from wsgen.ros.environment import RosEnvironment
 
 VARIABLE = "ROS_DISTRO"
 

@@ -10,7 +10,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from wsgen.isolation.codec import decode, encode
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from pathlib import Path

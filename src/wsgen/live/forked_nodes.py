@@ -1,6 +1,6 @@
 """Programs of wsgen in a live run, forked from one process that has imported what they use.
 
-`wsgen.ros_nodes.node_server` is that process. Where it cannot serve, a program gets an interpreter
+`wsgen.live.nodes.node_server` is that process. Where it cannot serve, a program gets an interpreter
 of its own: each is a process with a session, signals and an exit code either way.
 """
 
@@ -15,14 +15,14 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.ros_environment.processes import module_command
+from wsgen.ros.environment.processes import module_command
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from wsgen.live.request import NodeServerRequest
 
-MODULE = "wsgen.ros_nodes.node_server"
+MODULE = "wsgen.live.nodes.node_server"
 ROOM = 4096  # characters, for what `ps` shows of a program
 LARGEST = 1 << 12  # bytes of an answer
 SECONDS_TO_START = 20.0  # wall-clock, for its imports on a busy machine

@@ -17,7 +17,7 @@ from contextlib import suppress
 from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
-from wsgen.values import dataclass, lazy_pattern
+from wsgen.text.values import dataclass, lazy_pattern
 
 if TYPE_CHECKING:
     from io import RawIOBase

@@ -14,9 +14,9 @@ from importlib.machinery import PathFinder
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.files import read_whole
-from wsgen.markup import read_text
-from wsgen.pythontree import parse_anew
+from wsgen.text.files import read_whole
+from wsgen.text.markup import read_text
+from wsgen.text.pythontree import parse_anew
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from wsgen.live.forked_nodes import ForkedNode
 
-MODULE = "wsgen.ros_nodes.launch_node"  # says what is asked for, and how
+MODULE = "wsgen.live.nodes.launch_node"  # says what is asked for, and how
 STDERR = 2
 LARGEST = 1 << 16  # bytes that are read at once
 

@@ -7,7 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.launch import commands
+from wsgen.launching import commands
 from wsgen.pipeline.reached_packages import WORDS, texts_below
 
 if TYPE_CHECKING:
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from wsgen.model.devices import Devices
     from wsgen.model.plan import LaunchPlan, Process
-    from wsgen.workspace.layout import PackageFolder
+    from wsgen.packages.workspace.layout import PackageFolder
 
 ENDINGS = (b"_msgs", b"_interfaces", b"_srvs")
 # Of files that name messages for processes which are not compiled: Python, package.xml, YAML.

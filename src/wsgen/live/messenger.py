@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any
 from wsgen.errors import RequestError, SessionDiedError
 from wsgen.isolation.parent import not_started
 from wsgen.isolation.result import read_tail
-from wsgen.ros_environment.processes import module_command
+from wsgen.ros.environment.processes import module_command
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-MODULE = "wsgen.ros_nodes.messenger"  # says what is asked for, and how
+MODULE = "wsgen.live.nodes.messenger"  # says what is asked for, and how
 SECONDS_TO_END = 2.0  # of the clock
 SECONDS_TO_START = 60.0  # of the clock, on a busy machine
 

@@ -6,11 +6,11 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.launch.imported_packages import misspelled_module
-from wsgen.markup import read_text
-from wsgen.ros_environment.interfaces import buildable
-from wsgen.ros_names import released_packages
-from wsgen.suggestions import did_you_mean, nearest
+from wsgen.packages.imported_packages import misspelled_module
+from wsgen.ros.environment.interfaces import buildable
+from wsgen.ros.names import released_packages
+from wsgen.text.markup import read_text
+from wsgen.text.suggestions import did_you_mean, nearest
 
 if TYPE_CHECKING:
     from collections.abc import Collection

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.errors import NotFoundError
-from wsgen.launch import commands
+from wsgen.launching import commands
 from wsgen.live.missing_modules import way_to_module
 from wsgen.live.programs import LeftOut, find_component, find_replacement
 from wsgen.model.plan import ABSENT_MODULE, OF_ABSENT_MODULE, STARTS_UNKNOWN

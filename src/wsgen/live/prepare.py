@@ -9,11 +9,10 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Severity, has_errors
-from wsgen.files import write_file
 from wsgen.gazebo.systems import DEFAULT_SYSTEMS
 from wsgen.isolation.codec import encode
-from wsgen.launch import known_packages
-from wsgen.launch.evaluate import DISTRO_OF_LAUNCHES
+from wsgen.launching import known_packages
+from wsgen.launching.evaluate import DISTRO_OF_LAUNCHES
 from wsgen.live.awaited import check_awaited
 from wsgen.live.distribution import VARIABLE, distro_of_nodes, with_distro
 from wsgen.live.messages import (
@@ -32,18 +31,19 @@ from wsgen.live.preparer import Preparer, serve
 from wsgen.live.recording import Recordings
 from wsgen.live.request import NodeServerRequest, ServiceRequest
 from wsgen.model.plan import LaunchRequest
+from wsgen.packages.workspace.layout import find_packages
+from wsgen.packages.workspace.settings import read_settings
 from wsgen.pipeline.changed_since_build import shares_of
 from wsgen.pipeline.package_validation import Validation, may_come_later
 from wsgen.pipeline.prepare import KnownRobots
 from wsgen.pipeline.run_robots import spawned_robots
 from wsgen.pipeline.validate import selected_package, with_failures_before
-from wsgen.ros_environment import paths_with_all_messages, variables_of_nodes
+from wsgen.ros.environment import paths_with_all_messages, variables_of_nodes
 from wsgen.simulation.live_runs import DOMAIN, distro_of_run, find_live_folder, launched_in
 from wsgen.simulation.live_scene import SCENE_FILE, LiveScene
 from wsgen.simulation.scene import Scene
-from wsgen.values import dataclass
-from wsgen.workspace.layout import find_packages
-from wsgen.workspace.settings import read_settings
+from wsgen.text.files import write_file
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
@@ -55,11 +55,11 @@ if TYPE_CHECKING:
     from wsgen.live.service_child import ServiceChild
     from wsgen.model.plan import LaunchPlan
     from wsgen.model.world import Spawn, World
+    from wsgen.packages.workspace.layout import PackageFolder
     from wsgen.pipeline.prepare import PreparedRobot
     from wsgen.pipeline.requests import SelectedLaunchFile, ValidateRequest
     from wsgen.pipeline.started import Started
-    from wsgen.ros_environment import RosEnvironment
-    from wsgen.workspace.layout import PackageFolder
+    from wsgen.ros.environment import RosEnvironment
 
 
 @dataclass(frozen=True, kw_only=True)

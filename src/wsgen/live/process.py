@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import subprocess
     from collections.abc import Callable, Mapping, Sequence
 
-    from wsgen.launch.live import Start
+    from wsgen.launching.live import Start
     from wsgen.live.forked_nodes import ForkedNode
     from wsgen.live.journal import JournalWriter
     from wsgen.live.screen import LogFiles, Screen

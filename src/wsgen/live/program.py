@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 from wsgen.errors import NotFoundError
 from wsgen.live.programs import LeftOut, find_replacement
-from wsgen.ros_environment.processes import module_command
-from wsgen.suggestions import advice, suggest
+from wsgen.ros.environment.processes import module_command
+from wsgen.text.suggestions import advice, suggest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from wsgen.ros_environment import RosEnvironment
+    from wsgen.ros.environment import RosEnvironment
 
 PYTHON = b"python"
 BUILD = "Build the workspace (wsgen build), and name the one that has it with --workspace."

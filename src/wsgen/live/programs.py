@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import NamedTuple
 
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
-NODES = "wsgen.ros_nodes"
+NODES = "wsgen.live.nodes"
 SIMULATOR = f"{NODES}.simulator"
 SPAWNERS = (f"{NODES}.create", f"{NODES}.controller_spawner")  # they bring something, and end
 GZ_COMMANDS = ("gz", "ign")

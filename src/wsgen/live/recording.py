@@ -15,15 +15,15 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.errors import NotFoundError, RequestError, SessionDiedError
 from wsgen.isolation import parent
 from wsgen.rendering.recording import require_encoder, why_no_video
-from wsgen.ros_environment.processes import module_command
-from wsgen.values import dataclass
+from wsgen.ros.environment.processes import module_command
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
     from pathlib import Path
 
 
-MODULE = "wsgen.ros_nodes.recorder"
+MODULE = "wsgen.live.nodes.recorder"
 READY = b"\n"  # what it writes when it records
 READ = 1 << 16  # bytes at once
 SECONDS_TO_START = 120.0  # wall-clock, on a busy machine

@@ -7,7 +7,7 @@ from dataclasses import field
 from pathlib import Path  # noqa: TC003
 
 from wsgen.model.plan import LaunchRequest  # noqa: TC001
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 NODES_FILE = "nodes.json"  # in the live folder
 # What the parent says to the service, a byte each.

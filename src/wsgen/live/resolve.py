@@ -9,28 +9,28 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.launch import commands, known_packages
-from wsgen.launch.package_lookup import NOT_COMPILED
+from wsgen.launching import commands, known_packages
+from wsgen.launching.package_lookup import NOT_COMPILED
 from wsgen.live import launch_node
 from wsgen.live.journal import OTHER, SIMULATOR, SPAWNER, STANDARD
 from wsgen.live.programs import SPAWNERS, BuiltIn, LeftOut, find_replacement
 from wsgen.live.ros2_command import write_ros2
-from wsgen.ros_environment.environment import DISCOVERY_VARIABLES
-from wsgen.ros_environment.processes import module_command
+from wsgen.ros.environment.environment import DISCOVERY_VARIABLES
+from wsgen.ros.environment.processes import module_command
 from wsgen.simulation.live_runs import DOMAIN
 from wsgen.simulation.live_scene import FOLDER_VARIABLE
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from wsgen.launch.live import Start
+    from wsgen.launching.live import Start
     from wsgen.live.programs import Replaced
     from wsgen.live.request import ServiceRequest
     from wsgen.model.plan import Process
 
 MIDDLEWARE = "RMW_IMPLEMENTATION"  # of which the ROS of PyPI has one
-FORKED = "wsgen.ros_nodes."  # modules that can be
+FORKED = "wsgen.live.nodes."  # modules that can be
 _PATHS = ("AMENT_PREFIX_PATH", "LD_LIBRARY_PATH", "PATH", "PYTHONPATH")
 
 

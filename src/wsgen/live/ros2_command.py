@@ -6,7 +6,7 @@ import shlex
 from typing import TYPE_CHECKING
 
 from wsgen.errors import EXIT_MISSING
-from wsgen.ros_environment.processes import module_command
+from wsgen.ros.environment.processes import module_command
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -10,7 +10,6 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from wsgen.errors import NotReadableError, RequestError, SessionDiedError
-from wsgen.files import write_file
 from wsgen.isolation import parent
 from wsgen.live.failures import FailedProgram, read_failures
 from wsgen.live.prepare import BrokenRunError, environment_of_launch, prepared_request
@@ -20,7 +19,8 @@ from wsgen.live.video import draw_video
 from wsgen.simulation.live_runs import DOMAIN, ENDED_FILE, STARTING_FILE
 from wsgen.simulation.live_scene import UNHEARD_FILE
 from wsgen.simulation.pose_log import POSE_LOG_FILE
-from wsgen.values import dataclass
+from wsgen.text.files import write_file
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from wsgen.events import Listener
     from wsgen.live.prepare import Prepared, RunRequest
     from wsgen.pipeline.requests import SelectedLaunchFile
-    from wsgen.ros_environment import RosEnvironment
+    from wsgen.ros.environment import RosEnvironment
 
 
 @dataclass(frozen=True, kw_only=True)

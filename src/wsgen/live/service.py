@@ -19,8 +19,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
-from wsgen.files import explain_write_error
-from wsgen.launch.record import CommandOutcome
+from wsgen.launching.record import CommandOutcome
 from wsgen.live import launch_node
 from wsgen.live.asked_nodes import AskedNodes, managed_by
 from wsgen.live.includes import entities_of
@@ -47,19 +46,20 @@ from wsgen.live.shutdown import Shutdown
 from wsgen.live.simulated_time import SimulatedTime
 from wsgen.live.termination import Termination
 from wsgen.live.timeline import LiveTimeline, ScheduledCall
-from wsgen.ros_environment.environment import (
+from wsgen.ros.environment.environment import (
     ON_THIS_MACHINE,
     PROFILES,
     profiles_of,
     variables_of_simulator,
 )
 from wsgen.simulation.live_runs import ENDED_FILE
+from wsgen.text.files import explain_write_error
 
 if TYPE_CHECKING:
     import socket
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
-    from wsgen.launch.live import ParameterGroup, Start
+    from wsgen.launching.live import ParameterGroup, Start
     from wsgen.live.forked_nodes import ForkedNode, NodeServer
     from wsgen.live.request import ServiceRequest
     from wsgen.model.plan import Include, Process
@@ -173,7 +173,7 @@ class Service:
         self.logs.close()
         self.screen.close()
 
-    # What the shim asks for: `wsgen.launch.live.Live`.
+    # What the shim asks for: `wsgen.launching.live.Live`.
 
     def make_timeline(self) -> LiveTimeline:
         """Make a timeline."""

@@ -12,7 +12,6 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.files import write_file
 from wsgen.isolation import parent
 from wsgen.isolation.codec import encode
 from wsgen.isolation.guard import adopt_orphans, kill_children
@@ -21,6 +20,7 @@ from wsgen.live.request import GO, INTERRUPT, NODES, NODES_FILE, TERMINATE
 from wsgen.live.shared_memory import remove_left_behind
 from wsgen.simulation.live_runs import REQUEST_FILE
 from wsgen.simulation.live_scene import FOLDER_VARIABLE
+from wsgen.text.files import write_file
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence

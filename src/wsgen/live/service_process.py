@@ -47,11 +47,11 @@ def main() -> int:
     for stream in (sys.stdout, sys.stderr):  # what the launch file prints
         stream.reconfigure(line_buffering=True, errors="replace")  # type: ignore[union-attr]  # files
 
-    from wsgen.launch import worker  # noqa: PLC0415  the guard need not have it
+    from wsgen.descriptions.xacro import expansion  # noqa: PLC0415  same
+    from wsgen.launching import worker  # noqa: PLC0415  the guard need not have it
     from wsgen.live.forked_nodes import NodeServer  # noqa: PLC0415  same
     from wsgen.live.service import Service  # noqa: PLC0415  same
-    from wsgen.tasks.launch import run_xacro  # noqa: PLC0415  same
-    from wsgen.xacro import expansion  # noqa: PLC0415  same
+    from wsgen.pipeline.tasks.launch import run_xacro  # noqa: PLC0415  same
 
     worker.load_shim()
     nodes = None

@@ -22,7 +22,7 @@ from wsgen.diagnostics import Severity, has_errors
 from wsgen.errors import RequestError, SessionDiedError
 from wsgen.isolation import parent
 from wsgen.isolation.result import read_tail
-from wsgen.launch.launch_warnings import UNUSED_ARGUMENT
+from wsgen.launching.launch_warnings import UNUSED_ARGUMENT
 from wsgen.live.activity import Activity, CpuTimes
 from wsgen.live.domains import take_domain
 from wsgen.live.journal import SIMULATOR, SPAWNER, Journal
@@ -37,10 +37,10 @@ from wsgen.live.prepare import (
 from wsgen.live.service_child import start_service
 from wsgen.model.transform import Pose, rotation_of_quaternion, rpy_of_rotation
 from wsgen.pipeline.engines import check_engines
-from wsgen.ros_environment import open_ros
-from wsgen.ros_environment.environment import DISCOVERY_VARIABLES
+from wsgen.ros.environment import open_ros
+from wsgen.ros.environment.environment import DISCOVERY_VARIABLES
 from wsgen.simulation.live_scene import short_name, socket_path
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
@@ -53,7 +53,7 @@ if TYPE_CHECKING:
     from wsgen.model.transform import Vector
     from wsgen.model.world import Spawn
     from wsgen.pipeline.requests import SelectedLaunchFile
-    from wsgen.ros_environment import RosEnvironment
+    from wsgen.ros.environment import RosEnvironment
 
 CHUNK = 0.05  # s, simulated, between two looks at the state
 

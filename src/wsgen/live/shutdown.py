@@ -10,7 +10,7 @@ from wsgen.errors import EXIT_FAILED, EXIT_MISSING, EXIT_PASSED, EXIT_SIGNALLED
 from wsgen.live.awaited import what_is_started
 
 if TYPE_CHECKING:
-    from wsgen.launch.live import Start
+    from wsgen.launching.live import Start
 
 
 class Shutdown:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from wsgen.events import Listener
 
 
-TASK = "wsgen.tasks.video:draw"
+TASK = "wsgen.pipeline.tasks.video:draw"
 PROGRESS_FILE = "drawn"  # in the live folder: how far the drawing is
 LONGER = (
     "Have the run go on until a spawner has put a robot into the world: its output above says what "

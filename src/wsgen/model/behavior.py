@@ -12,7 +12,7 @@ from dataclasses import field
 
 from wsgen.model.time_series import TimeSeries  # noqa: TC001  as above
 from wsgen.model.world import Spawn  # noqa: TC001  as above
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 ELEMENT = "behavior `{}`"  # of a diagnostic; with its name
 LEAST_TOLERANCE = 0.02  # m or rad; no engine is more exact

@@ -6,7 +6,7 @@ from collections.abc import Mapping  # noqa: TC003
 from dataclasses import field
 from pathlib import Path  # noqa: TC003
 
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,10 +12,10 @@ from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
 from wsgen.model.transform import IDENTITY, Pose, rotation_of_quaternion, rpy_of_rotation
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
-    from wsgen import xmltree
+    from wsgen.text import xmltree
 
 # Elements of a world that sensors measure.
 SURROUNDINGS = ("spherical_coordinates", "magnetic_field", "atmosphere")

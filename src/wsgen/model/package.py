@@ -12,7 +12,7 @@ import unicodedata
 from keyword import kwlist
 from typing import TYPE_CHECKING
 
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping

@@ -8,7 +8,7 @@ from pathlib import Path  # noqa: TC003
 from typing import Any
 
 from wsgen.diagnostics import Diagnostic  # noqa: TC001
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from wsgen.model.control import ControlSystem, Transmission  # noqa: TC001  as `Pose`
 from wsgen.model.transform import IDENTITY, Pose, Vector
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 # Of a tree in PyBullet: MAX_DEGREE_OF_FREEDOM in its SharedMemoryCommands.h; with more, reading a
 # pose raises.
@@ -137,7 +137,7 @@ class Heightmap:
 
 
 Primitive = Box | Cylinder | Sphere | Capsule
-# What no engine has: `wsgen.meshes.shape_meshes` makes meshes of them.
+# What no engine has: `wsgen.descriptions.meshes.shape_meshes` makes meshes of them.
 Triangulated = Ellipsoid | Cone | Extrusion | Heightmap
 Geometry = Primitive | Mesh | Triangulated
 

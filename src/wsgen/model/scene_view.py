@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping  # noqa: TC003  type hints of answers are read
 from dataclasses import field
 
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 Value = str | int | float | bool  # of a parameter
 Figure = float | int | bool | str | None  # of a row; None where it was not measured

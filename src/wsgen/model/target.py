@@ -14,8 +14,8 @@ from wsgen.model.facts import (
     RELEASED_FOR,
     ROS2_CONTROL_HARDWARE,
 )
-from wsgen.suggestions import did_you_mean, nearest
-from wsgen.values import dataclass
+from wsgen.text.suggestions import did_you_mean, nearest
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

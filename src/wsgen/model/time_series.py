@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping  # noqa: TC003  the type hints of answers are read
 
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 
 @dataclass(frozen=True)

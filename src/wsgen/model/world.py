@@ -10,7 +10,7 @@ from pathlib import Path  # noqa: TC003  the file of a live run is decoded by ty
 from typing import TYPE_CHECKING
 
 from wsgen.model.transform import IDENTITY, Pose
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from wsgen.model.plan import Process

@@ -11,8 +11,8 @@ from collections import Counter
 from typing import TYPE_CHECKING
 
 from wsgen.errors import NotFoundError, NotReadableError, RequestError
-from wsgen.files import read_regular_text
-from wsgen.values import lazy_pattern
+from wsgen.text.files import read_regular_text
+from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
-from wsgen.diagnostics import Severity
-from wsgen.model.behavior import ELEMENT, BehaviorOutcome, BehaviorRun, Drive, LaunchTask
-from wsgen.rules.behaviors import (
+from wsgen.checks.rules.behaviors import (
     check_behavior,
     check_live,
     command_beyond_limit,
@@ -16,9 +14,11 @@ from wsgen.rules.behaviors import (
     unclear_behavior_robot,
     unknown_behavior_joint,
 )
-from wsgen.rules.consequences import explains_no_drive
-from wsgen.urdf.diff_drive import NoDrive, find_diff_drive
-from wsgen.values import dataclass
+from wsgen.checks.rules.consequences import explains_no_drive
+from wsgen.descriptions.urdf.diff_drive import NoDrive, find_diff_drive
+from wsgen.diagnostics import Severity
+from wsgen.model.behavior import ELEMENT, BehaviorOutcome, BehaviorRun, Drive, LaunchTask
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.behavior import Behavior, LiveMeasurement
     from wsgen.model.time_series import TimeSeries
+    from wsgen.packages.workspace.settings import Settings
     from wsgen.pipeline.prepare import PreparedRobot
     from wsgen.simulation.scene import RobotRun
-    from wsgen.workspace.settings import Settings
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Severity, has_errors
 from wsgen.events import OneAtATime, StepEnded, StepProgressed, StepStarted, post
-from wsgen.files import real_path
 from wsgen.isolation import parent
-from wsgen.launch.commands import nested_launch, programs
-from wsgen.launch.spawning import names_spawner
+from wsgen.launching.commands import nested_launch, programs
+from wsgen.launching.spawning import names_spawner
 from wsgen.pipeline.parallel import run_parallel
 from wsgen.pipeline.started import (
     waits_for_description,
     with_description,
     with_publisher_that_fails,
 )
+from wsgen.text.files import real_path
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from wsgen.events import Listener
     from wsgen.isolation.parent import Run
     from wsgen.model.plan import Include
+    from wsgen.packages.workspace.overlay import Overlay
     from wsgen.pipeline.started import Started
-    from wsgen.workspace.overlay import Overlay
 
 
 class LaunchFile(NamedTuple):
@@ -318,7 +318,7 @@ def _may_spawn(failing: Candidate, spawning: Sequence[Path]) -> bool:
 
 def _is_robot_broken(failing: Candidate) -> bool:
     """Whether it fails for a mistake in the description of a robot."""
-    from wsgen.launch.explain_missing import XACRO_FAILS  # noqa: PLC0415  see `_lacks`
+    from wsgen.launching.explain_missing import XACRO_FAILS  # noqa: PLC0415  see `_lacks`
 
     return any(code == XACRO_FAILS.code for code, *_ in failing.errors)
 
@@ -326,14 +326,14 @@ def _is_robot_broken(failing: Candidate) -> bool:
 def _lacks(failing: Candidate) -> tuple[bool, bool]:
     """Whether it lacks only what is given from outside; whether that is a launch argument."""
     # They load what explains errors, which most workspaces do not need.
-    from wsgen.launch.explain import (  # noqa: PLC0415
+    from wsgen.launching.explain import (  # noqa: PLC0415
         ARGUMENT_WITHOUT_VALUE,
         INTERACTIVE_INPUT,
         NEEDS_UNKNOWN,
         VARIABLE_NOT_SET,
     )
-    from wsgen.launch.explain_missing import PACKAGE_NOT_FOUND  # noqa: PLC0415
-    from wsgen.launch.explain_names import UNSUPPORTED_API  # noqa: PLC0415
+    from wsgen.launching.explain_missing import PACKAGE_NOT_FOUND  # noqa: PLC0415
+    from wsgen.launching.explain_names import UNSUPPORTED_API  # noqa: PLC0415
 
     from_outside = (
         *(ARGUMENT_WITHOUT_VALUE, INTERACTIVE_INPUT, NEEDS_UNKNOWN, PACKAGE_NOT_FOUND),

@@ -10,11 +10,11 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.build.last_build import STARTED
+from wsgen.building.last_build import STARTED
 from wsgen.diagnostics import Rule, Severity
-from wsgen.source_shares import may_have_sources
-from wsgen.workspace.layout import read_package
-from wsgen.workspace.manifest import RUN_TAGS
+from wsgen.packages.source_shares import may_have_sources
+from wsgen.packages.workspace.layout import read_package
+from wsgen.packages.workspace.manifest import RUN_TAGS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.build_facts import BuildFacts
     from wsgen.model.plan import LaunchPlan
-    from wsgen.workspace.layout import PackageFolder
-    from wsgen.workspace.overlay import Overlay
+    from wsgen.packages.workspace.layout import PackageFolder
+    from wsgen.packages.workspace.overlay import Overlay
 
 
 NAMED = 5  # at most so many files are named in a message
@@ -219,7 +219,7 @@ def _copies(share: Path, source: Path) -> Iterator[_Copy]:
     is a copy.
     """
     # Most packages are as they were built.
-    from wsgen.build_files.facts import read_build_facts  # noqa: PLC0415
+    from wsgen.packages.build_files.facts import read_build_facts  # noqa: PLC0415
 
     known: set[Path] = set()
     package = read_package(source)

@@ -18,18 +18,18 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from wsgen.diagnostics import has_errors
 from wsgen.errors import RequestError
 from wsgen.events import OneAtATime
-from wsgen.files import remembering
 from wsgen.isolation.parent import make_scratch
+from wsgen.packages.workspace.package_xml import duplicate_names
 from wsgen.pipeline.check_package import FileCheck, PackageCheck
 from wsgen.pipeline.check_targets import Targets, find_targets
 from wsgen.pipeline.installed_as_built import lay_out
 from wsgen.pipeline.parallel import run_parallel
 from wsgen.pipeline.reported import read_permissions
 from wsgen.pipeline.submodules import with_submodules
-from wsgen.ros_names import released_packages
-from wsgen.suggestions import advice
-from wsgen.values import dataclass, lazy_pattern
-from wsgen.workspace.package_xml import duplicate_names
+from wsgen.ros.names import released_packages
+from wsgen.text.files import remembering
+from wsgen.text.suggestions import advice
+from wsgen.text.values import dataclass, lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

@@ -6,20 +6,20 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen import yamlfile
-from wsgen.diagnostics import Severity
-from wsgen.launch.commands import has_gaps
-from wsgen.launch.other_places import find_in_package
-from wsgen.rules.controller_joints import (
+from wsgen.checks.rules.controller_joints import (
     Controlled,
     check_controllers,
     drive_sections,
     missing_controller_file,
 )
-from wsgen.rules.controllers import started_controllers
-from wsgen.rules.drives import check_drive_controller
-from wsgen.rules.ros2_control import ControlFacts, control_plugins, control_without_plugin
-from wsgen.xacro.source import place_in_source
+from wsgen.checks.rules.controllers import started_controllers
+from wsgen.checks.rules.drives import check_drive_controller
+from wsgen.checks.rules.ros2_control import ControlFacts, control_plugins, control_without_plugin
+from wsgen.descriptions.xacro.source import place_in_source
+from wsgen.diagnostics import Severity
+from wsgen.launching.commands import has_gaps
+from wsgen.launching.other_places import find_in_package
+from wsgen.text import yamlfile
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence

@@ -6,13 +6,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen import yamlfile
-from wsgen.files import read_regular, real_path
-from wsgen.gazebo.plugins import carried_by
-from wsgen.launch.commands import started_programs
-from wsgen.launch.descriptions import Description, published_descriptions, read_published
-from wsgen.launch.simulators import WORLD_SUFFIXES, simulator_kinds
-from wsgen.rules import (
+from wsgen.checks.rules import (
     bridges,
     controllers,
     frames,
@@ -24,29 +18,35 @@ from wsgen.rules import (
     simulators,
     worlds,
 )
-from wsgen.rules.gazebo_topics import topics_of
-from wsgen.rules.spawn_heights import check_spawn_height
-from wsgen.sdf.includes import DATABASE_MODELS, MODEL_LEFT_OUT
-from wsgen.sdf.lookup import find_world, model_finder
-from wsgen.sdf.source import SIZE_LIMIT, load, read_document
-from wsgen.source_shares import may_have_sources
-from wsgen.workspace.layout import LAUNCH_FILES
-from wsgen.xacro.source import written_elements
-from wsgen.xmltree import child_text, children
+from wsgen.checks.rules.gazebo_topics import topics_of
+from wsgen.checks.rules.spawn_heights import check_spawn_height
+from wsgen.descriptions.sdf.includes import DATABASE_MODELS, MODEL_LEFT_OUT
+from wsgen.descriptions.sdf.lookup import find_world, model_finder
+from wsgen.descriptions.sdf.source import SIZE_LIMIT, load, read_document
+from wsgen.descriptions.xacro.source import written_elements
+from wsgen.gazebo.plugins import carried_by
+from wsgen.launching.commands import started_programs
+from wsgen.launching.descriptions import Description, published_descriptions, read_published
+from wsgen.launching.simulators import WORLD_SUFFIXES, simulator_kinds
+from wsgen.packages.source_shares import may_have_sources
+from wsgen.packages.workspace.layout import LAUNCH_FILES
+from wsgen.text import yamlfile
+from wsgen.text.files import read_regular, real_path
+from wsgen.text.xmltree import child_text, children
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 
+    from wsgen.checks.rules.gazebo_topics import GazeboTopic
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.package import ShareOf
     from wsgen.model.plan import LaunchPlan
     from wsgen.model.robot import Robot
     from wsgen.model.world import World
+    from wsgen.packages.workspace.layout import PackageFolder
     from wsgen.pipeline.prepare import PreparedRobot
     from wsgen.pipeline.started import Started
-    from wsgen.rules.gazebo_topics import GazeboTopic
-    from wsgen.workspace.layout import PackageFolder
-    from wsgen.xmltree import Element
+    from wsgen.text.xmltree import Element
 
 
 class LoadedWorld(NamedTuple):

@@ -5,21 +5,20 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.files import real_path
-from wsgen.launch.simulators import simulator_kinds
-from wsgen.rules.dependencies import check_circles, check_dependencies
-from wsgen.rules.manifests import check_manifest, generated_interfaces
-from wsgen.rules.package_uses import (
+from wsgen.checks.rules.dependencies import check_circles, check_dependencies
+from wsgen.checks.rules.manifests import check_manifest, generated_interfaces
+from wsgen.checks.rules.package_uses import (
     check_required,
     check_tests,
     check_uses,
     may_be_unused,
     unused_dependencies,
 )
-from wsgen.rules.simulators import misplaced_spawners
-from wsgen.source_shares import INDEX
-from wsgen.workspace.build_types import check_build_type
-from wsgen.workspace.package_uses import (
+from wsgen.checks.rules.simulators import misplaced_spawners
+from wsgen.launching.simulators import simulator_kinds
+from wsgen.packages.source_shares import INDEX
+from wsgen.packages.workspace.build_types import check_build_type
+from wsgen.packages.workspace.package_uses import (
     LAUNCH,
     PackageUse,
     find_files,
@@ -27,6 +26,7 @@ from wsgen.workspace.package_uses import (
     read_uses,
     unmentioned,
 )
+from wsgen.text.files import real_path
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -34,8 +34,8 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.build_facts import BuildFacts
     from wsgen.model.plan import LaunchPlan
-    from wsgen.workspace.layout import PackageFolder
-    from wsgen.workspace.manifest import Manifest
+    from wsgen.packages.workspace.layout import PackageFolder
+    from wsgen.packages.workspace.manifest import Manifest
 
 
 def check_package_manifest(

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wsgen.build_files.python_sources import program_files, python_files
+from wsgen.checks.rules.node_topics import UsedTopic, remapped, unheard_commands, unpublished_topics
+from wsgen.checks.rules.python_nodes import check_node, idle_program, unspun_node
 from wsgen.diagnostics import Severity
-from wsgen.launch.commands import started_programs
+from wsgen.launching.commands import started_programs
+from wsgen.packages.build_files.python_sources import program_files, python_files
+from wsgen.packages.workspace.python_nodes import KINDS, read_node_file
 from wsgen.pipeline.check_launched import topics_of_launch
-from wsgen.rules.node_topics import UsedTopic, remapped, unheard_commands, unpublished_topics
-from wsgen.rules.python_nodes import check_node, idle_program, unspun_node
-from wsgen.workspace.python_nodes import KINDS, read_node_file
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.build_facts import BuildFacts
     from wsgen.model.plan import Process
+    from wsgen.packages.workspace.layout import PackageFolder
+    from wsgen.packages.workspace.python_nodes import NodeFile
     from wsgen.pipeline.started import Started
-    from wsgen.workspace.layout import PackageFolder
-    from wsgen.workspace.python_nodes import NodeFile
 
 
 def check_nodes(build: BuildFacts, packages: Mapping[str, PackageFolder]) -> Iterator[Diagnostic]:

@@ -6,11 +6,15 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.checks.rules import launch_files
+from wsgen.checks.rules.target import target_of
+from wsgen.descriptions.xacro.source import without_call
 from wsgen.diagnostics import has_errors
-from wsgen.files import real_path
 from wsgen.isolation.parent import make_part
-from wsgen.launch.evaluate import DISTRO_OF_LAUNCHES
-from wsgen.markup import without_comments
+from wsgen.launching.evaluate import DISTRO_OF_LAUNCHES
+from wsgen.packages.workspace.layout import LAUNCH_FILES, find_launch_files
+from wsgen.packages.workspace.robot_files import find_descriptions
+from wsgen.packages.workspace.settings import read_settings
 from wsgen.pipeline.candidates import (
     Candidate,
     LaunchFile,
@@ -46,27 +50,23 @@ from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.prepare import PrepareContext
 from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
 from wsgen.pipeline.started import Started, start
-from wsgen.rules import launch_files
-from wsgen.rules.target import target_of
-from wsgen.values import lazy_pattern
-from wsgen.workspace.layout import LAUNCH_FILES, find_launch_files
-from wsgen.workspace.robot_files import find_descriptions
-from wsgen.workspace.settings import read_settings
-from wsgen.xacro.source import without_call
+from wsgen.text.files import real_path
+from wsgen.text.markup import without_comments
+from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
+    from wsgen.checks.rules.target import Target
     from wsgen.diagnostics import Diagnostic
     from wsgen.events import Listener
     from wsgen.isolation.parent import Run
     from wsgen.model.robot import Robot
+    from wsgen.packages.workspace.layout import PackageFolder
+    from wsgen.packages.workspace.overlay import Overlay
     from wsgen.pipeline.installed_as_built import InstalledAsBuilt
     from wsgen.pipeline.prepare import PreparedRobot
-    from wsgen.rules.target import Target
-    from wsgen.workspace.layout import PackageFolder
-    from wsgen.workspace.overlay import Overlay
 
 
 OF_TESTS = frozenset({"test", "tests"})  # folders; their launch files are for launch_testing

@@ -12,17 +12,29 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wsgen.description_rules import (
+from wsgen.checks.rules.friction import NO_FRICTION_DIRECTION
+from wsgen.checks.rules.ros2_control import INCOMPLETE_CONTROL
+from wsgen.checks.rules.simulators import GLUED_ARGUMENTS, SPAWNER_OF_OTHER_SIMULATOR
+from wsgen.checks.rules.systems import MISSING_SENSOR_SYSTEM
+from wsgen.descriptions.rules import (
     MISSING_COLLISION_MESH,
     MISSING_VISUAL_MESH,
     NO_LINK,
     UNKNOWN_LINK,
 )
+from wsgen.descriptions.sdf.assembly import CLOSED_CHAIN, JOINT_LEFT_OUT
+from wsgen.descriptions.sdf.includes import DOWNLOADED, ELSEWHERE
+from wsgen.descriptions.sdf.models import NO_WORLD, NOT_SIMULATED
+from wsgen.descriptions.sdf.shapes import SHAPE_LEFT_OUT
+from wsgen.descriptions.sdf.worlds import NO_GROUND
+from wsgen.descriptions.urdf.gazebo import SDF_NOT_SIMULATED
+from wsgen.descriptions.urdf.lumping import DROPPED_LINK, IMPOSSIBLE_SUM, TWO_ZERO_MASSES
+from wsgen.descriptions.urdf.reader import UNNAMED_ROBOT
+from wsgen.descriptions.xacro.reader import XACRO_FILE_FAILS
 from wsgen.diagnostics import Severity
-from wsgen.files import real_path
-from wsgen.launch.commands import has_gaps
-from wsgen.launch.descriptions import UNPUBLISHED_DESCRIPTION
-from wsgen.launch.explain import (
+from wsgen.launching.commands import has_gaps
+from wsgen.launching.descriptions import UNPUBLISHED_DESCRIPTION
+from wsgen.launching.explain import (
     ARGUMENT_WITHOUT_VALUE,
     DECLARED_LATER,
     INTERACTIVE_INPUT,
@@ -30,43 +42,31 @@ from wsgen.launch.explain import (
     UNDEFINED_CONFIGURATION,
     VARIABLE_NOT_SET,
 )
-from wsgen.launch.explain_missing import (
+from wsgen.launching.explain_missing import (
     FILE_NOT_INSTALLED,
     OF_NO_PACKAGE,
     PACKAGE_NOT_FOUND,
     XACRO_FAILS,
 )
-from wsgen.launch.explain_names import (
+from wsgen.launching.explain_names import (
     API_PACKAGES,
     IMPORT_ERROR,
     RAISES,
     REFUSED_BY_LAUNCH,
     UNSUPPORTED_API,
 )
-from wsgen.launch.launch_warnings import UNUSED_INCLUDE_ARGUMENT
-from wsgen.launch.simulators import NO_SIMULATOR
-from wsgen.launch.spawner_options import INVALID_SPAWNER_OPTION
-from wsgen.launch.undeclared import UNDECLARED_PACKAGE
+from wsgen.launching.launch_warnings import UNUSED_INCLUDE_ARGUMENT
+from wsgen.launching.simulators import NO_SIMULATOR
+from wsgen.launching.spawner_options import INVALID_SPAWNER_OPTION
+from wsgen.launching.undeclared import UNDECLARED_PACKAGE
+from wsgen.packages.source_shares import may_have_sources
 from wsgen.pipeline.candidates import commands
 from wsgen.pipeline.file_kinds import read
 from wsgen.pipeline.file_validation import NO_MODEL, PART_OF_ROBOT
-from wsgen.ros_names import released_packages
-from wsgen.rules.friction import NO_FRICTION_DIRECTION
-from wsgen.rules.ros2_control import INCOMPLETE_CONTROL
-from wsgen.rules.simulators import GLUED_ARGUMENTS, SPAWNER_OF_OTHER_SIMULATOR
-from wsgen.rules.systems import MISSING_SENSOR_SYSTEM
-from wsgen.sdf.assembly import CLOSED_CHAIN, JOINT_LEFT_OUT
-from wsgen.sdf.includes import DOWNLOADED, ELSEWHERE
-from wsgen.sdf.models import NO_WORLD, NOT_SIMULATED
-from wsgen.sdf.shapes import SHAPE_LEFT_OUT
-from wsgen.sdf.worlds import NO_GROUND
-from wsgen.source_shares import may_have_sources
-from wsgen.suggestions import advice, misspelled_as, suggested
-from wsgen.urdf.gazebo import SDF_NOT_SIMULATED
-from wsgen.urdf.lumping import DROPPED_LINK, IMPOSSIBLE_SUM, TWO_ZERO_MASSES
-from wsgen.urdf.reader import UNNAMED_ROBOT
-from wsgen.values import lazy_pattern
-from wsgen.xacro.reader import XACRO_FILE_FAILS
+from wsgen.ros.names import released_packages
+from wsgen.text.files import real_path
+from wsgen.text.suggestions import advice, misspelled_as, suggested
+from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Sequence

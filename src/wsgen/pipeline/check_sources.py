@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wsgen.build_files.cmake_checks import check_for_distro
-from wsgen.build_files.python_sources import check_python_syntax
+from wsgen.packages.build_files.cmake_checks import check_for_distro
+from wsgen.packages.build_files.python_sources import check_python_syntax
+from wsgen.packages.workspace.package_xml import check_package_xml
 from wsgen.pipeline.check_manifest import check_package_manifest
 from wsgen.pipeline.check_nodes import check_nodes
-from wsgen.workspace.package_xml import check_package_xml
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.build_facts import BuildFacts
     from wsgen.model.plan import LaunchPlan
-    from wsgen.workspace.layout import PackageFolder
+    from wsgen.packages.workspace.layout import PackageFolder
 
 
 def check_sources(  # noqa: PLR0913  what files say

@@ -8,8 +8,8 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.errors import NotFoundError
-from wsgen.source_shares import INDEX
-from wsgen.workspace.layout import (
+from wsgen.packages.source_shares import INDEX
+from wsgen.packages.workspace.layout import (
     INSTALL_LAYOUT,
     PackageFolder,
     Workspace,
@@ -21,7 +21,7 @@ from wsgen.workspace.layout import (
     with_surroundings,
     workspace_around,
 )
-from wsgen.workspace.robot_files import find_descriptions
+from wsgen.packages.workspace.robot_files import find_descriptions
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -8,9 +8,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wsgen.build_files.facts import read_build_facts
+from wsgen.checks.rules.install_consequences import OF_FOLDERS
+from wsgen.checks.rules.joint_states import NO_JOINT_STATES
+from wsgen.checks.rules.target import target_of
 from wsgen.diagnostics import Severity
-from wsgen.files import real_path
+from wsgen.packages.build_files.facts import read_build_facts
 from wsgen.pipeline.check_controllers import check_controlled
 from wsgen.pipeline.check_launched import (
     check_addresses,
@@ -21,9 +23,7 @@ from wsgen.pipeline.check_launched import (
     may_publish_joint_states,
 )
 from wsgen.pipeline.check_sources import check_sources
-from wsgen.rules.install_consequences import OF_FOLDERS
-from wsgen.rules.joint_states import NO_JOINT_STATES
-from wsgen.rules.target import target_of
+from wsgen.text.files import real_path
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -31,10 +31,10 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.world import World
+    from wsgen.packages.workspace.layout import PackageFolder
     from wsgen.pipeline.package_validation import Validation
     from wsgen.pipeline.prepare import PreparedRobot
     from wsgen.pipeline.started import Started
-    from wsgen.workspace.layout import PackageFolder
 
 
 def errors_of_check(

@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.errors import RequestError, WouldOverwriteError
 from wsgen.model.target import end_of_life_note
-from wsgen.ros_names import is_released
+from wsgen.packages.workspace.layout import (
+    Workspace,
+    check_workspace_path,
+    current_folder,
+    find_packages,
+    find_workspace,
+    spawned_entities,
+)
+from wsgen.ros.names import is_released
 from wsgen.templating.render import render_package
 from wsgen.templating.spec import make_maintainer, make_spec
 from wsgen.templating.template import load_template
@@ -20,14 +28,6 @@ from wsgen.templating.write import (
     refuse_existing,
     refuse_files,
     write_package,
-)
-from wsgen.workspace.layout import (
-    Workspace,
-    check_workspace_path,
-    current_folder,
-    find_packages,
-    find_workspace,
-    spawned_entities,
 )
 
 if TYPE_CHECKING:

@@ -6,21 +6,21 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.alike import summed_up
+from wsgen.descriptions.meshes.inspection import read_surfaces
+from wsgen.descriptions.meshes.lookup import find_meshes
+from wsgen.descriptions.xacro.source import written_elements
 from wsgen.diagnostics import has_errors
 from wsgen.errors import RequestError
 from wsgen.isolation import parent
-from wsgen.meshes.inspection import read_surfaces
-from wsgen.meshes.lookup import find_meshes
+from wsgen.model.alike import summed_up
 from wsgen.model.robot import Mesh
+from wsgen.packages.workspace.overlay import open_overlay
+from wsgen.packages.workspace.robot_files import find_robot_files
 from wsgen.pipeline.file_validation import FileValidation
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.prepare import PrepareContext
 from wsgen.pipeline.selection import select_packages
 from wsgen.pipeline.validate import check_request, overlays_of_files, selected_package
-from wsgen.workspace.overlay import open_overlay
-from wsgen.workspace.robot_files import find_robot_files
-from wsgen.xacro.source import written_elements
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -30,10 +30,10 @@ if TYPE_CHECKING:
     from wsgen.model.package import ShareOf
     from wsgen.model.robot import Robot
     from wsgen.model.world import World
+    from wsgen.packages.workspace.layout import Workspace
+    from wsgen.packages.workspace.overlay import Overlay
     from wsgen.pipeline.prepare import PreparedRobot
     from wsgen.pipeline.requests import SelectedLaunchFile, SelectedPackage, ValidateRequest
-    from wsgen.workspace.layout import Workspace
-    from wsgen.workspace.overlay import Overlay
 
 
 NAMED = 3  # at most so many files are named in a message

@@ -9,25 +9,25 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.build.last_build import explain_builds, needed_by
-from wsgen.description_rules import MISSING_COLLISION_MESH, MISSING_VISUAL_MESH
-from wsgen.launch.explain_missing import (
+from wsgen.building.last_build import explain_builds, needed_by
+from wsgen.checks.rules.controller_joints import MISSING_CONTROLLER_FILE
+from wsgen.checks.rules.named_worlds import MISSING_WORLD
+from wsgen.descriptions.rules import MISSING_COLLISION_MESH, MISSING_VISUAL_MESH
+from wsgen.launching.explain_missing import (
     EXECUTABLE_NOT_FOUND,
     FILE_NOT_INSTALLED,
     PACKAGE_NOT_FOUND,
     XACRO_FAILS,
 )
 from wsgen.model.outcome import NotValidated, PackageOutcome
-from wsgen.rules.controller_joints import MISSING_CONTROLLER_FILE
-from wsgen.rules.named_worlds import MISSING_WORLD
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence
 
-    from wsgen.build.last_build import FailedBuild
+    from wsgen.building.last_build import FailedBuild
     from wsgen.diagnostics import Diagnostic
-    from wsgen.workspace.layout import PackageFolder
-    from wsgen.workspace.overlay import Overlay
+    from wsgen.packages.workspace.layout import PackageFolder
+    from wsgen.packages.workspace.overlay import Overlay
 
 
 class Validated(NamedTuple):

@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Literal
 
-from wsgen.files import irregular_kind, read_regular
-from wsgen.urdf.reader import TEXT_LIMIT
-from wsgen.values import lazy_pattern
+from wsgen.descriptions.urdf.reader import TEXT_LIMIT
+from wsgen.text.files import irregular_kind, read_regular
+from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

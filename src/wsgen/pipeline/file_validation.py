@@ -6,9 +6,12 @@ import os
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wsgen.description_rules import NO_LINK, UNREADABLE_DESCRIPTION
+from wsgen.descriptions.rules import NO_LINK, UNREADABLE_DESCRIPTION
+from wsgen.descriptions.sdf.source import is_sdf
+from wsgen.descriptions.sdf.worlds import DEFAULT_WORLD
+from wsgen.descriptions.urdf.reader import TEXT_LIMIT, UNNAMED_ROBOT
+from wsgen.descriptions.xacro.reader import XACRO_FILE_FAILS, expand_file
 from wsgen.diagnostics import Rule, Severity, has_errors
-from wsgen.files import read_regular
 from wsgen.isolation.parent import make_scratch
 from wsgen.model.outcome import PackageOutcome
 from wsgen.pipeline.clock import Clock
@@ -24,10 +27,7 @@ from wsgen.pipeline.prepare import (
     share_on_model_path,
 )
 from wsgen.pipeline.simulation_result import SimulationResult
-from wsgen.sdf.source import is_sdf
-from wsgen.sdf.worlds import DEFAULT_WORLD
-from wsgen.urdf.reader import TEXT_LIMIT, UNNAMED_ROBOT
-from wsgen.xacro.reader import XACRO_FILE_FAILS, expand_file
+from wsgen.text.files import read_regular
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -36,9 +36,9 @@ if TYPE_CHECKING:
     from wsgen.events import Listener
     from wsgen.isolation.parent import Run
     from wsgen.model.world import World
+    from wsgen.packages.workspace.overlay import Overlay
     from wsgen.pipeline.real_gazebo import RealGazebo
     from wsgen.pipeline.requests import ValidateRequest
-    from wsgen.workspace.overlay import Overlay
 
 
 NO_MODEL = Rule(

@@ -7,16 +7,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.build_files.facts import read_build_facts
-from wsgen.build_files.python_sources import program_files
-from wsgen.diagnostics import Rule, Severity
-from wsgen.files import read_regular
-from wsgen.isolation import parent
-from wsgen.launch.simulators import find_simulator
-from wsgen.launch.spawning import assume_spawn, find_spawns
-from wsgen.pipeline.prepare import PrepareContext, find_model, keeps_out, read_file
-from wsgen.sdf.includes import DOWNLOADED, MODEL_LEFT_OUT
-from wsgen.sdf.lookup import (
+from wsgen.descriptions.sdf.includes import DOWNLOADED, MODEL_LEFT_OUT
+from wsgen.descriptions.sdf.lookup import (
     file_of_model,
     find_world,
     is_brought_along,
@@ -25,18 +17,26 @@ from wsgen.sdf.lookup import (
     is_of_gazebo,
     is_there,
 )
-from wsgen.workspace.python_nodes import read_node_file
+from wsgen.diagnostics import Rule, Severity
+from wsgen.isolation import parent
+from wsgen.launching.simulators import find_simulator
+from wsgen.launching.spawning import assume_spawn, find_spawns
+from wsgen.packages.build_files.facts import read_build_facts
+from wsgen.packages.build_files.python_sources import program_files
+from wsgen.packages.workspace.python_nodes import read_node_file
+from wsgen.pipeline.prepare import PrepareContext, find_model, keeps_out, read_file
+from wsgen.text.files import read_regular
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from wsgen.descriptions.sdf.models import SdfFile
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.package import ShareOf
     from wsgen.model.plan import LaunchPlan, Process
     from wsgen.model.world import Spawn
+    from wsgen.packages.workspace.overlay import Overlay
     from wsgen.pipeline.prepare import PreparedRobot
-    from wsgen.sdf.models import SdfFile
-    from wsgen.workspace.overlay import Overlay
 
 
 DATABASE_MODEL = Rule(

@@ -13,24 +13,24 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.build_files.facts import read_build_facts
 from wsgen.events import OneAtATime
-from wsgen.files import real_path
 from wsgen.isolation import system
+from wsgen.packages.build_files.facts import read_build_facts
+from wsgen.packages.source_shares import INSTALLED, serve_installed, serve_source
+from wsgen.packages.workspace.layout import find_packages
+from wsgen.packages.workspace.overlay import Overlay, overlay_of
 from wsgen.pipeline.parallel import run_parallel
 from wsgen.pipeline.reached_packages import find_reached
-from wsgen.source_shares import INSTALLED, serve_installed, serve_source
-from wsgen.values import dataclass
-from wsgen.workspace.layout import find_packages
-from wsgen.workspace.overlay import Overlay, overlay_of
+from wsgen.text.files import real_path
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.build_facts import BuildFacts
+    from wsgen.packages.workspace.layout import PackageFolder
     from wsgen.pipeline.check_targets import Targets
-    from wsgen.workspace.layout import PackageFolder
 
 
 @dataclass(frozen=True, kw_only=True)

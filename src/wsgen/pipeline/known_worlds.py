@@ -11,10 +11,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterable, Mapping
     from pathlib import Path
 
+    from wsgen.descriptions.sdf.models import SdfFile
     from wsgen.diagnostics import Diagnostic
     from wsgen.pipeline.prepare import PrepareContext, PreparedRobot
     from wsgen.pipeline.started import Started
-    from wsgen.sdf.models import SdfFile
 
 
 class ReadWorld(NamedTuple):

@@ -6,14 +6,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.errors import RequestError
-from wsgen.files import read_whole
-from wsgen.suggestions import ask_for_nearest
-from wsgen.workspace.layout import LAUNCH_FUNCTION, find_launch_files, find_packages
+from wsgen.packages.workspace.layout import LAUNCH_FUNCTION, find_launch_files, find_packages
+from wsgen.text.files import read_whole
+from wsgen.text.suggestions import ask_for_nearest
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from wsgen.workspace.layout import Workspace
+    from wsgen.packages.workspace.layout import Workspace
 
 
 TEST_FUNCTION = b"def generate_test_description("

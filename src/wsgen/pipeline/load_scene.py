@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Severity
 from wsgen.errors import RequestError
 from wsgen.isolation.parent import make_scratch
-from wsgen.launch.known_packages import prefix
+from wsgen.launching.known_packages import prefix
+from wsgen.packages.workspace.layout import Workspace, workspace_around, workspace_if_any
+from wsgen.packages.workspace.overlay import open_overlay, require_share
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.plan_launch import package_of
 from wsgen.pipeline.requests import ValidateRequest
 from wsgen.pipeline.run_robots import spawned_robots
 from wsgen.pipeline.selection import select_packages
 from wsgen.simulation.scene import Scene
-from wsgen.values import dataclass
-from wsgen.workspace.layout import Workspace, workspace_around, workspace_if_any
-from wsgen.workspace.overlay import open_overlay, require_share
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     from wsgen.events import Listener
     from wsgen.model.plan import LaunchPlan
     from wsgen.model.world import World
+    from wsgen.packages.workspace.overlay import Overlay
     from wsgen.pipeline.prepare import PreparedRobot
     from wsgen.pipeline.requests import SelectedPackage
-    from wsgen.workspace.overlay import Overlay
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,13 +6,28 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wsgen.checks.rules.catalogue import unknown_rule_allowed, without_allowed
+from wsgen.checks.rules.entities import spawned_twice
+from wsgen.checks.rules.friction import friction_without_direction
+from wsgen.checks.rules.named_worlds import (
+    UNKNOWN_WORLD,
+    is_folder_reported,
+    missing_world,
+    unknown_world,
+    world_not_here,
+)
+from wsgen.descriptions.sdf.lookup import find_world, is_brought_along, is_there
+from wsgen.descriptions.sdf.source import is_sdf
+from wsgen.descriptions.sdf.worlds import default_world
 from wsgen.diagnostics import Diagnostic, Severity, has_errors, worst_of_each
 from wsgen.errors import NotFoundError, WsgenError
 from wsgen.isolation import parent
-from wsgen.launch.descriptions import UNKNOWN_DESCRIPTION, UNPUBLISHED_DESCRIPTION
-from wsgen.launch.simulators import kind_of_project
-from wsgen.launch.spawning import NO_ROBOT
+from wsgen.launching.descriptions import UNKNOWN_DESCRIPTION, UNPUBLISHED_DESCRIPTION
+from wsgen.launching.simulators import kind_of_project
+from wsgen.launching.spawning import NO_ROBOT
 from wsgen.model.outcome import PackageOutcome
+from wsgen.packages.workspace.layout import workspace_around
+from wsgen.packages.workspace.settings import read_settings
 from wsgen.pipeline.changed_since_build import (
     changed_since_build,
     used_packages,
@@ -40,31 +55,19 @@ from wsgen.pipeline.simulation_result import SimulationResult
 from wsgen.pipeline.sources import name_sources
 from wsgen.pipeline.started import start
 from wsgen.pipeline.world_systems import check_systems, find_started_world
-from wsgen.rules.catalogue import unknown_rule_allowed, without_allowed
-from wsgen.rules.entities import spawned_twice
-from wsgen.rules.friction import friction_without_direction
-from wsgen.rules.named_worlds import (
-    UNKNOWN_WORLD,
-    is_folder_reported,
-    missing_world,
-    unknown_world,
-    world_not_here,
-)
-from wsgen.sdf.lookup import find_world, is_brought_along, is_there
-from wsgen.sdf.source import is_sdf
-from wsgen.sdf.worlds import default_world
-from wsgen.workspace.layout import workspace_around
-from wsgen.workspace.settings import read_settings
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
+    from wsgen.descriptions.sdf.models import SdfFile
     from wsgen.events import Listener
     from wsgen.isolation.parent import Run
     from wsgen.model.behavior import BehaviorRun, LiveMeasurement
     from wsgen.model.devices import Devices
     from wsgen.model.plan import LaunchPlan
     from wsgen.model.world import Spawn, World
+    from wsgen.packages.workspace.overlay import Overlay
+    from wsgen.packages.workspace.settings import Settings
     from wsgen.pipeline.behavior_plan import BehaviorPlan
     from wsgen.pipeline.known_worlds import KnownWorlds
     from wsgen.pipeline.prepare import KnownRobots
@@ -72,9 +75,6 @@ if TYPE_CHECKING:
     from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
     from wsgen.pipeline.started import Started
     from wsgen.pipeline.world_systems import StartedWorld
-    from wsgen.sdf.models import SdfFile
-    from wsgen.workspace.overlay import Overlay
-    from wsgen.workspace.settings import Settings
 
     Live = Mapping[str, Mapping[str, LiveMeasurement]]  # what was measured, by engine, then by name
 
@@ -502,8 +502,8 @@ class Validation:
         launch_file, settings = self.selected.launch_file, self.settings
         if launch_file is None or settings is None or has_errors(self.diagnostics):
             return None, []
+        from wsgen.checks.rules.behaviors import launch_not_run  # noqa: PLC0415  as below
         from wsgen.model.behavior import BehaviorRun  # noqa: PLC0415  as below
-        from wsgen.rules.behaviors import launch_not_run  # noqa: PLC0415  as below
 
         to_run = [
             BehaviorRun(entity=behavior.robot or "", behavior=behavior)
@@ -646,8 +646,8 @@ def _check_runs(
     to_run: Sequence[BehaviorRun], measured: Mapping[str, LiveMeasurement], file: Path
 ) -> Iterator[Diagnostic]:
     """Check the behaviors for which the launch file has run in one engine."""
+    from wsgen.checks.rules.behaviors import check_live  # noqa: PLC0415  as above
     from wsgen.model.behavior import LaunchTask  # noqa: PLC0415  most packages have no behaviors
-    from wsgen.rules.behaviors import check_live  # noqa: PLC0415  as above
 
     for one in to_run:
         if isinstance(one.behavior.task, LaunchTask) and one.behavior.name in measured:

@@ -10,16 +10,9 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import has_errors
 from wsgen.errors import RequestError
-from wsgen.launch.evaluate import evaluate
-from wsgen.launch.known_packages import prefix
-from wsgen.pipeline.changed_since_build import changed_since_build, shares_of, used_packages
-from wsgen.pipeline.clock import Clock
-from wsgen.pipeline.launch_file_lookup import no_such_launch_file, packages_with
-from wsgen.pipeline.requests import SelectedLaunchFile
-from wsgen.pipeline.sources import name_sources
-from wsgen.pipeline.started import name_markers
-from wsgen.suggestions import MOST_LISTED
-from wsgen.workspace.layout import (
+from wsgen.launching.evaluate import evaluate
+from wsgen.launching.known_packages import prefix
+from wsgen.packages.workspace.layout import (
     Workspace,
     find_launch_files,
     find_packages,
@@ -28,7 +21,14 @@ from wsgen.workspace.layout import (
     workspace_around,
     workspace_if_any,
 )
-from wsgen.workspace.overlay import Overlay, open_overlay, require_share
+from wsgen.packages.workspace.overlay import Overlay, open_overlay, require_share
+from wsgen.pipeline.changed_since_build import changed_since_build, shares_of, used_packages
+from wsgen.pipeline.clock import Clock
+from wsgen.pipeline.launch_file_lookup import no_such_launch_file, packages_with
+from wsgen.pipeline.requests import SelectedLaunchFile
+from wsgen.pipeline.sources import name_sources
+from wsgen.pipeline.started import name_markers
+from wsgen.text.suggestions import MOST_LISTED
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -12,57 +12,57 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.description_rules import (
+from wsgen.checks.rules.check import check_robot
+from wsgen.checks.rules.friction import turning_friction
+from wsgen.checks.rules.plugins import DUPLICATE_SENSOR
+from wsgen.checks.rules.robot_files import (
+    UNPREFIXED_XACRO,
+    path_of_one_machine,
+    uncalled_macros,
+    unprefixed_xacro,
+)
+from wsgen.descriptions.meshes.inspection import inspect_meshes
+from wsgen.descriptions.meshes.lookup import find_meshes
+from wsgen.descriptions.meshes.shape_meshes import build_shapes
+from wsgen.descriptions.rules import (
     IMPOSSIBLE_INERTIA,
     MIRRORED_MESH,
     MISSING_COLLISION_MESH,
     MISSING_VISUAL_MESH,
     ONE_NAME_FOR_LINK_AND_JOINT,
 )
-from wsgen.diagnostics import Rule, Severity
-from wsgen.files import LARGEST_TEXT, read_regular
-from wsgen.meshes.inspection import inspect_meshes
-from wsgen.meshes.lookup import find_meshes
-from wsgen.meshes.shape_meshes import build_shapes
-from wsgen.model.outcome import name_engines
-from wsgen.model.robot import Mesh, Robot
-from wsgen.model.transform import IDENTITY, Pose
-from wsgen.rules.check import check_robot
-from wsgen.rules.friction import turning_friction
-from wsgen.rules.plugins import DUPLICATE_SENSOR
-from wsgen.rules.robot_files import (
-    UNPREFIXED_XACRO,
-    path_of_one_machine,
-    uncalled_macros,
-    unprefixed_xacro,
-)
-from wsgen.sdf.includes import DATABASE_MODELS
-from wsgen.sdf.lookup import is_folder, model_finder, model_folders, resource_folders
-from wsgen.sdf.models import read_model, read_sdf
-from wsgen.urdf.lumping import (
+from wsgen.descriptions.sdf.includes import DATABASE_MODELS
+from wsgen.descriptions.sdf.lookup import is_folder, model_finder, model_folders, resource_folders
+from wsgen.descriptions.sdf.models import read_model, read_sdf
+from wsgen.descriptions.urdf.lumping import (
     DROPPED_BY_OLD_SDFORMAT,
     DROPPED_LINK,
     IMPOSSIBLE_SUM,
     LUMPED_END_OF_SDF_JOINT,
     lump,
 )
-from wsgen.urdf.reader import IGNORED_XACRO, MISSPELLED, read_urdf
-from wsgen.urdf.unknown_elements import meant_element
-from wsgen.values import dataclass
-from wsgen.xacro.source import place_in_source, written_elements
-from wsgen.xmltree import Malformed, child_text, parse
+from wsgen.descriptions.urdf.reader import IGNORED_XACRO, MISSPELLED, read_urdf
+from wsgen.descriptions.urdf.unknown_elements import meant_element
+from wsgen.descriptions.xacro.source import place_in_source, written_elements
+from wsgen.diagnostics import Rule, Severity
+from wsgen.model.outcome import name_engines
+from wsgen.model.robot import Mesh, Robot
+from wsgen.model.transform import IDENTITY, Pose
+from wsgen.text.files import LARGEST_TEXT, read_regular
+from wsgen.text.values import dataclass
+from wsgen.text.xmltree import Malformed, child_text, parse
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 
+    from wsgen.descriptions.sdf.models import SdfFile, SdfModel
     from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.parent import Run
-    from wsgen.markup import Written
     from wsgen.model.behavior import DiffDrive
     from wsgen.model.devices import Devices
     from wsgen.model.package import ShareOf
     from wsgen.model.world import Spawn, SpawnHeight
-    from wsgen.sdf.models import SdfFile, SdfModel
+    from wsgen.text.markup import Written
 
 
 # How severe a diagnostic is where the simulator is known: Gazebo Classic simulates what Gazebo Sim
@@ -227,7 +227,7 @@ def keeps_out(found: Iterable[Diagnostic]) -> bool:
     errors = [one for one in found if one.severity is Severity.ERROR]
     if not errors:
         return False
-    from wsgen.rules import plugins, ros2_control  # noqa: PLC0415  most robots have no error
+    from wsgen.checks.rules import plugins, ros2_control  # noqa: PLC0415  most robots have no error
 
     of_plugins = (
         *(plugins.UNKNOWN_PLUGIN, plugins.PLUGIN_OF_OTHER_SIMULATOR, plugins.UNKNOWN_PLUGIN_PART),
@@ -240,7 +240,7 @@ def keeps_out(found: Iterable[Diagnostic]) -> bool:
 
 def _with_devices(prepared: PreparedRobot, text: str | bytes) -> PreparedRobot:
     """The robot with what its URDF says for a live run."""
-    from wsgen.urdf.devices import read_devices  # noqa: PLC0415  live runs alone
+    from wsgen.descriptions.urdf.devices import read_devices  # noqa: PLC0415  live runs alone
 
     return replace(
         prepared,
@@ -253,7 +253,7 @@ def _drive(robot: Robot, simulator: str | None) -> DiffDrive | None:
     """The drive by the plugin of a robot, if it has one that works."""
     if not any(tag.plugins for tag in robot.gazebo):
         return None
-    from wsgen.urdf.diff_drive import NoDrive, find_diff_drive  # noqa: PLC0415  most have none
+    from wsgen.descriptions.urdf.diff_drive import NoDrive, find_diff_drive  # noqa: PLC0415  most have none
 
     found = find_diff_drive(robot, simulator=simulator)
     return None if isinstance(found, NoDrive) else found
@@ -568,7 +568,7 @@ def _with_included_devices(model: SdfModel) -> SdfModel:
     """The model with its devices, also where it is a URDF that a world includes."""
     if model.devices is not None or model.file is None:
         return model
-    from wsgen.urdf.devices import read_devices  # noqa: PLC0415  live runs alone
+    from wsgen.descriptions.urdf.devices import read_devices  # noqa: PLC0415  live runs alone
 
     text = read_regular(model.file, LARGEST_TEXT)
     written, _ = read_urdf(text, file=model.file)

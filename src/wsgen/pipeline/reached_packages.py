@@ -9,14 +9,14 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.files import read_regular
-from wsgen.source_shares import may_have_sources
-from wsgen.values import lazy_pattern
+from wsgen.packages.source_shares import may_have_sources
+from wsgen.text.files import read_regular
+from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from wsgen.workspace.layout import PackageFolder
+    from wsgen.packages.workspace.layout import PackageFolder
 
 
 SIZE_LIMIT = 2**20  # bytes; larger files are data

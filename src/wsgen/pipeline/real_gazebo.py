@@ -11,6 +11,8 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.checks.rules.resource_paths import VARIABLES
+from wsgen.descriptions.sdf.includes import GROUND_PLANE_SDF
 from wsgen.diagnostics import Severity
 from wsgen.errors import NotFoundError
 from wsgen.gazebo.plugins import CLASSIC, SIM, SIMULATOR_NAMES
@@ -19,14 +21,12 @@ from wsgen.isolation.result import Died, Limits
 from wsgen.model.kinematics import link_poses
 from wsgen.model.transform import Pose, multiply, rotation_of_rpy, transpose
 from wsgen.pipeline.engines import ENGINE_LEFT_OUT
-from wsgen.rules.resource_paths import VARIABLES
-from wsgen.sdf.includes import GROUND_PLANE_SDF
 from wsgen.simulation.real_gazebo import GazeboResult, GazeboScene, ToSpawn, find_gazebo
 from wsgen.simulation.run import ENGINE_DIED, ENGINE_REFUSED, ENGINE_WARNING
 from wsgen.simulation.scene import RobotRun
 from wsgen.simulation.simulate import REST_HELD, REST_JOINT_SPEED, REST_SPEED, REST_TURNING
 from wsgen.simulation.surfaces import UnreadError, lowest_points
-from wsgen.values import lazy_pattern
+from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

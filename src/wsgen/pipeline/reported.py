@@ -5,32 +5,32 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.diagnostics import has_errors, worst_of_each
-from wsgen.errors import RequestError
-from wsgen.files import real_path
-from wsgen.pipeline.baseline import divide_known, load_baseline
-from wsgen.pipeline.changed_files import about_changes, changed_since
-from wsgen.rules.catalogue import (
+from wsgen.checks.rules.catalogue import (
     FAMILIES,
     all_rules,
     find_rule,
     unknown_rule_allowed,
     without_allowed,
 )
-from wsgen.rules.install_consequences import fold_not_installed
-from wsgen.rules.suppressions import suppress
-from wsgen.suggestions import ask_for_nearest
-from wsgen.values import dataclass
-from wsgen.workspace.allowances import find_comments, read_comments
-from wsgen.workspace.settings import read_settings
+from wsgen.checks.rules.install_consequences import fold_not_installed
+from wsgen.checks.rules.suppressions import suppress
+from wsgen.diagnostics import has_errors, worst_of_each
+from wsgen.errors import RequestError
+from wsgen.packages.workspace.allowances import find_comments, read_comments
+from wsgen.packages.workspace.settings import read_settings
+from wsgen.pipeline.baseline import divide_known, load_baseline
+from wsgen.pipeline.changed_files import about_changes, changed_since
+from wsgen.text.files import real_path
+from wsgen.text.suggestions import ask_for_nearest
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping, Sequence
 
     from wsgen.diagnostics import Diagnostic
+    from wsgen.packages.workspace.allowances import Allowance
+    from wsgen.packages.workspace.settings import Settings
     from wsgen.pipeline.check import CheckOutcome
-    from wsgen.workspace.allowances import Allowance
-    from wsgen.workspace.settings import Settings
 
 
 ALL = "ALL"  # every family

@@ -6,7 +6,7 @@ from dataclasses import field, replace
 from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol
 
 from wsgen.model.outcome import GAZEBO
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.behavior import BehaviorRun, LiveMeasurement
     from wsgen.model.plan import LaunchPlan
+    from wsgen.packages.workspace.layout import Workspace
+    from wsgen.packages.workspace.overlay import Overlay
     from wsgen.pipeline.started import Started
-    from wsgen.workspace.layout import Workspace
-    from wsgen.workspace.overlay import Overlay
 
 
 # What a page takes of a simulation.

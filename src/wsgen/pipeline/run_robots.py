@@ -6,6 +6,21 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.checks.rules.check_run import check_run
+from wsgen.checks.rules.consequences import fold_consequences, joints_beyond_limits
+from wsgen.checks.rules.runs import (
+    ENGINE_UNSTABLE,
+    GAINS_ENERGY,
+    KEEPS_MOVING,
+    NO_BUOYANCY,
+    OVERLAPPING_ROBOTS,
+    SPAWNED_IN_GROUND,
+    STATE_NOT_FINITE,
+    STUCK_IN_GROUND,
+    TIPS_OVER,
+    UNACTUATED_JOINTS_MOVE,
+    engines_disagree,
+)
 from wsgen.diagnostics import Rule, Severity, has_errors
 from wsgen.events import OneAtATime
 from wsgen.isolation.result import Limits
@@ -22,21 +37,6 @@ from wsgen.model.outcome import (
 from wsgen.model.robot import MOST_LINKS
 from wsgen.pipeline.parallel import run_parallel
 from wsgen.pipeline.simulation_result import SimulationResult
-from wsgen.rules.check_run import check_run
-from wsgen.rules.consequences import fold_consequences, joints_beyond_limits
-from wsgen.rules.runs import (
-    ENGINE_UNSTABLE,
-    GAINS_ENERGY,
-    KEEPS_MOVING,
-    NO_BUOYANCY,
-    OVERLAPPING_ROBOTS,
-    SPAWNED_IN_GROUND,
-    STATE_NOT_FINITE,
-    STUCK_IN_GROUND,
-    TIPS_OVER,
-    UNACTUATED_JOINTS_MOVE,
-    engines_disagree,
-)
 from wsgen.simulation.contact_shapes import most_parts
 from wsgen.simulation.run import installed_engines, run_simulation
 from wsgen.simulation.scene import Scene, SimulationOutcome, SpawnedRobot

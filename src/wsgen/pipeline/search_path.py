@@ -7,22 +7,22 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.files import read_regular, real_path
+from wsgen.checks.rules.resource_paths import VARIABLES, SearchPath, mesh_packages, no_resource_path
 from wsgen.gazebo.plugins import CLASSIC, SIM
-from wsgen.launch.commands import started_launch_files, started_programs
-from wsgen.launch.simulators import simulator_kinds
-from wsgen.rules.resource_paths import VARIABLES, SearchPath, mesh_packages, no_resource_path
-from wsgen.source_shares import may_have_sources
-from wsgen.workspace.layout import INSTALL_LAYOUT
-from wsgen.xmltree import Malformed, children, parse
+from wsgen.launching.commands import started_launch_files, started_programs
+from wsgen.launching.simulators import simulator_kinds
+from wsgen.packages.source_shares import may_have_sources
+from wsgen.packages.workspace.layout import INSTALL_LAYOUT
+from wsgen.text.files import read_regular, real_path
+from wsgen.text.xmltree import Malformed, children, parse
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.plan import LaunchPlan, Process
+    from wsgen.packages.workspace.overlay import Overlay
     from wsgen.pipeline.started import Started
-    from wsgen.workspace.overlay import Overlay
 
 
 # The launch files that give Gazebo the exports of all package.xml, by package; up to their dot.

@@ -9,13 +9,17 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.build.request import refuse_empty
-from wsgen.build_files.cmake_text import read_calls
-from wsgen.build_files.install_checks import UNINSTALLED_LAUNCH_FILE
+from wsgen.building.request import refuse_empty
 from wsgen.diagnostics import Rule, Severity
 from wsgen.errors import RequestError
 from wsgen.isolation import parent
 from wsgen.model.outcome import NotValidated
+from wsgen.packages.build_files.cmake_text import read_calls
+from wsgen.packages.build_files.install_checks import UNINSTALLED_LAUNCH_FILE
+from wsgen.packages.workspace.layout import find_launch_files, find_packages, read_package
+from wsgen.packages.workspace.overlay import require_share
+from wsgen.packages.workspace.robot_files import find_robot_files
+from wsgen.packages.workspace.settings import read_settings
 from wsgen.pipeline.candidates import (
     LaunchFile,
     choose,
@@ -31,25 +35,21 @@ from wsgen.pipeline.launch_file_lookup import (
 )
 from wsgen.pipeline.requests import SelectedPackage
 from wsgen.pipeline.started import start
-from wsgen.workspace.layout import find_launch_files, find_packages, read_package
-from wsgen.workspace.overlay import require_share
-from wsgen.workspace.robot_files import find_robot_files
-from wsgen.workspace.settings import read_settings
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from wsgen.build_files.cmake_text import Call
     from wsgen.diagnostics import Diagnostic
     from wsgen.events import Listener
     from wsgen.isolation.parent import Run
     from wsgen.model.world import Spawn
+    from wsgen.packages.build_files.cmake_text import Call
+    from wsgen.packages.workspace.layout import Workspace
+    from wsgen.packages.workspace.overlay import Overlay
     from wsgen.pipeline.candidates import Candidate, Choice
     from wsgen.pipeline.requests import ValidateRequest
     from wsgen.pipeline.started import Started
-    from wsgen.workspace.layout import Workspace
-    from wsgen.workspace.overlay import Overlay
 
 
 MISNAMED_LAUNCH_FILE = Rule(

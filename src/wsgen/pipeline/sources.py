@@ -6,9 +6,9 @@ import os
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wsgen.files import list_files
+from wsgen.packages.workspace.layout import BUILD_MARKERS
 from wsgen.pipeline.changed_since_build import is_copy
-from wsgen.workspace.layout import BUILD_MARKERS
+from wsgen.text.files import list_files
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping

@@ -7,15 +7,15 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity, has_errors
-from wsgen.launch.descriptions import (
+from wsgen.launching.descriptions import (
     UNPUBLISHED_DESCRIPTION,
     Description,
     published_descriptions,
     read_published,
 )
-from wsgen.launch.evaluate import evaluate
-from wsgen.launch.explain_missing import PACKAGE_NOT_FOUND
-from wsgen.launch.simulators import find_simulator
+from wsgen.launching.evaluate import evaluate
+from wsgen.launching.explain_missing import PACKAGE_NOT_FOUND
+from wsgen.launching.simulators import find_simulator
 from wsgen.pipeline.gazebo_models import find_robots
 
 if TYPE_CHECKING:
@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from wsgen.isolation.parent import Run
     from wsgen.model.plan import LaunchPlan, Process
     from wsgen.model.world import Simulator, Spawn
+    from wsgen.packages.workspace.overlay import Overlay
     from wsgen.pipeline.requests import ValidateRequest
-    from wsgen.workspace.overlay import Overlay
 
 
 class Started(NamedTuple):
@@ -91,7 +91,7 @@ def start(
     plan = play({})
     if has_errors(plan.diagnostics) and not request.is_live:
         # It loads what explains errors, which most workspaces do not need.
-        from wsgen.launch.alternatives import alternatives, with_assumed  # noqa: PLC0415
+        from wsgen.launching.alternatives import alternatives, with_assumed  # noqa: PLC0415
 
         for values in alternatives(plan, given, lambda: play({}, only_arguments=True).arguments):
             other = play(values)

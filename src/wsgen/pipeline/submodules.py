@@ -6,12 +6,12 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.description_rules import MISSING_COLLISION_MESH, MISSING_VISUAL_MESH
-from wsgen.files import read_regular_text
-from wsgen.launch.explain_missing import FILE_NOT_INSTALLED, PACKAGE_NOT_FOUND, XACRO_FAILS
-from wsgen.sdf.includes import MODEL_LEFT_OUT
-from wsgen.values import lazy_pattern
-from wsgen.xacro.reader import XACRO_FILE_FAILS
+from wsgen.descriptions.rules import MISSING_COLLISION_MESH, MISSING_VISUAL_MESH
+from wsgen.descriptions.sdf.includes import MODEL_LEFT_OUT
+from wsgen.descriptions.xacro.reader import XACRO_FILE_FAILS
+from wsgen.launching.explain_missing import FILE_NOT_INSTALLED, PACKAGE_NOT_FOUND, XACRO_FAILS
+from wsgen.text.files import read_regular_text
+from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

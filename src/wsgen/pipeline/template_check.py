@@ -11,26 +11,26 @@ import shutil
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen import tomlfile
 from wsgen.diagnostics import Rule, Severity
 from wsgen.isolation.fork_server import ForkServer
 from wsgen.isolation.parent import make_scratch
 from wsgen.model.package import Maintainer
+from wsgen.packages.source_shares import INDEX
+from wsgen.packages.workspace.layout import find_launch_files
+from wsgen.packages.workspace.overlay import Overlay
+from wsgen.packages.workspace.package_xml import check_package_xml
+from wsgen.packages.workspace.settings import read_settings
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
 from wsgen.pipeline.started import start
 from wsgen.simulation.run import default_engine
-from wsgen.source_shares import INDEX
 from wsgen.templating.render import installed_folders
 from wsgen.templating.render_apart import render_tree_apart
 from wsgen.templating.spec import make_spec
 from wsgen.templating.variables import show
 from wsgen.templating.write import write_package
-from wsgen.workspace.layout import find_launch_files
-from wsgen.workspace.overlay import Overlay
-from wsgen.workspace.package_xml import check_package_xml
-from wsgen.workspace.settings import read_settings
-from wsgen.xmltree import Malformed, parse
+from wsgen.text import tomlfile
+from wsgen.text.xmltree import Malformed, parse
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

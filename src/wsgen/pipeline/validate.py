@@ -10,15 +10,16 @@ from contextlib import ExitStack, suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wsgen.alike import summed_up
-from wsgen.build.last_build import FAILED_BUILD, failed_builds
-from wsgen.build_files.cmake_checks import MISSING_AMENT_PACKAGE
+from wsgen.building.last_build import FAILED_BUILD, failed_builds
 from wsgen.errors import NotFoundError, NotReadableError, RequestError
 from wsgen.events import OneAtATime
-from wsgen.files import irregular_kind
 from wsgen.isolation import parent
-from wsgen.launch.launch_warnings import UNUSED_ARGUMENT, UNUSED_XACRO_ARGUMENT
+from wsgen.launching.launch_warnings import UNUSED_ARGUMENT, UNUSED_XACRO_ARGUMENT
+from wsgen.model.alike import summed_up
 from wsgen.model.outcome import Outcome, PackageOutcome
+from wsgen.packages.build_files.cmake_checks import MISSING_AMENT_PACKAGE
+from wsgen.packages.workspace.layout import Workspace, find_packages, workspace_around
+from wsgen.packages.workspace.overlay import Overlay, open_overlay, overlay_of
 from wsgen.pipeline.changed_since_build import shares_of
 from wsgen.pipeline.engines import check_engines, engine_left_out
 from wsgen.pipeline.known_worlds import KnownWorlds
@@ -28,8 +29,7 @@ from wsgen.pipeline.requests import SelectedPackage
 from wsgen.pipeline.selection import Selection, select_packages
 from wsgen.pipeline.submodules import with_submodules
 from wsgen.rendering.recording import require_encoder, why_no_video
-from wsgen.workspace.layout import Workspace, find_packages, workspace_around
-from wsgen.workspace.overlay import Overlay, open_overlay, overlay_of
+from wsgen.text.files import irregular_kind
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping, Sequence

@@ -5,9 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.gazebo.systems import DEFAULT_SYSTEMS, loaded_class
-from wsgen.launch.explain_missing import where_written
-from wsgen.rules.systems import (
+from wsgen.checks.rules.systems import (
     Need,
     Place,
     WorldSystems,
@@ -19,9 +17,11 @@ from wsgen.rules.systems import (
     systems_of_world,
     systems_within,
 )
-from wsgen.sdf.lookup import is_brought_along
-from wsgen.sdf.source import load, read_document
-from wsgen.xmltree import children
+from wsgen.descriptions.sdf.lookup import is_brought_along
+from wsgen.descriptions.sdf.source import load, read_document
+from wsgen.gazebo.systems import DEFAULT_SYSTEMS, loaded_class
+from wsgen.launching.explain_missing import where_written
+from wsgen.text.xmltree import children
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.plan import LaunchPlan
     from wsgen.pipeline.started import Started
-    from wsgen.xmltree import Element
+    from wsgen.text.xmltree import Element
 
 
 class StartedWorld(NamedTuple):

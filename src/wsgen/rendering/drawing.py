@@ -11,7 +11,7 @@ from wsgen.model.scene_view import SceneView
 from wsgen.rendering.recording import Recorder, why_no_video
 from wsgen.rendering.render_items import subjects
 from wsgen.simulation.scene import DRAWING, RECORDING, NotDrawn, Picture
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Container

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from wsgen.files import write_file
+from wsgen.text.files import write_file
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -105,7 +105,7 @@ def draw_title(image: Image.Image, title: str) -> Image.Image:
 
 
 def write_png(image: Image.Image, file: Path) -> None:
-    """Write an image, whole or not at all; see `wsgen.files.write_file`."""
+    """Write an image, whole or not at all; see `wsgen.text.files.write_file`."""
     stream = io.BytesIO()
     image.save(stream, format="PNG")
     write_file(file, stream.getvalue())

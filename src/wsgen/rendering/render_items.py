@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.model.robot import Box, Capsule, Cylinder, Mesh, Sphere
 from wsgen.model.transform import IDENTITY, Pose, compose
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterator, Mapping, Sequence

@@ -17,7 +17,7 @@ from wsgen.rendering.render_items import list_render_items
 from wsgen.rendering.renderer import Light, Renderer, nearness_of
 from wsgen.rendering.scene_renderer import sun_of
 from wsgen.simulation.scene import Scene
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

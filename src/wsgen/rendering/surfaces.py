@@ -37,8 +37,8 @@ class Surface(NamedTuple):
 def surface_of(geometry: Primitive | str, around: int = AROUND, up: int = UP) -> Surface:
     """The surface of a shape, or of a mesh by its path; not to be changed.
 
-    A mesh is an array that `wsgen.meshes.appearance` wrote, or a mesh file in any format. A round
-    shape has so many faces `around`, and a sphere so many rings `up`.
+    A mesh is an array that `wsgen.descriptions.meshes.appearance` wrote, or a mesh file in any
+    format. A round shape has so many faces `around`, and a sphere so many rings `up`.
     """
     if isinstance(geometry, str):
         return _load(Path(geometry))
@@ -112,7 +112,7 @@ def _load(file: Path) -> Surface:
         normals, points = (rows[part] if len(rows) > part.start else None for part in PARTS)
         return Surface(rows[:3], normals, points)
     # Of a file that was not prepared, as a collision's is not; its readers take a while to load.
-    from wsgen.meshes.worker import read_mesh  # noqa: PLC0415
+    from wsgen.descriptions.meshes.worker import read_mesh  # noqa: PLC0415
 
     return Surface(np.ascontiguousarray(read_mesh(file).corners.astype(np.float32).T))
 

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from PIL import Image
 
-from wsgen.files import write_file
 from wsgen.rendering.camera import Size, extent
 from wsgen.rendering.picture import (
     ARROW_COLOR,
@@ -22,6 +21,7 @@ from wsgen.rendering.picture import (
 )
 from wsgen.rendering.scene_renderer import VIEWS, CameraSetup, is_no_subject
 from wsgen.simulation.scene import Video
+from wsgen.text.files import write_file
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

@@ -35,7 +35,7 @@ from wsgen.simulation.contact_shapes import inner_apart, one_friction_a_link
 from wsgen.simulation.engine import may_touch
 from wsgen.simulation.stiffness import STRONGEST, is_stiff, stiffness_to_simulate
 from wsgen.simulation.urdf_writer import write_urdf
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping

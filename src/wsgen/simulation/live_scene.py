@@ -11,7 +11,7 @@ from pathlib import Path
 from wsgen.model.devices import Devices  # noqa: TC001
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.simulation.scene import Scene, SpawnedRobot  # noqa: TC001
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 FOLDER_VARIABLE = "WSGEN_LIVE_FOLDER"  # names the folder of a live run, in all its processes
 SCENE_FILE = "scene.json"  # in that folder: a `LiveScene`, as `isolation.codec` writes it

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 from wsgen.isolation.codec import decode, encode
 from wsgen.model.transform import Pose
 from wsgen.simulation.scene import SpawnedRobot
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.gazebo.plugins import CLASSIC, SIM
 from wsgen.model.transform import IDENTITY, Pose
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -27,7 +27,7 @@ from wsgen.simulation.scene import (
     SimulationOutcome,
     Video,
 )
-from wsgen.values import lazy_pattern
+from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -126,9 +126,9 @@ COARSE_VIDEO = Rule(
 # The libraries, by engine.
 MODULES = {"bullet": "pybullet", "dart": "dartpy", "mujoco": "mujoco"}
 TASKS = {
-    "bullet": "wsgen.tasks.bullet:simulate",
-    "dart": "wsgen.tasks.dart:simulate",
-    "mujoco": "wsgen.tasks.mujoco:simulate",
+    "bullet": "wsgen.pipeline.tasks.bullet:simulate",
+    "dart": "wsgen.pipeline.tasks.dart:simulate",
+    "mujoco": "wsgen.pipeline.tasks.mujoco:simulate",
 }
 MOST_TRIANGLES = 6_000_000  # of all collisions; they take 3 GB in PyBullet, with a picture
 LARGEST_MESHES = 3  # are named

@@ -1,4 +1,4 @@
-"""Runs the behaviors of a robot, and measures; `wsgen.rules` checks.
+"""Runs the behaviors of a robot, and measures; `wsgen.checks.rules` checks.
 
 A robot is driven by its diff drive plugin or by ros2_control, as in Gazebo (`controllers`).
 """

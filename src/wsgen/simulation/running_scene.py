@@ -18,7 +18,7 @@ from wsgen.simulation.engine import Motor
 from wsgen.simulation.odometer import Odometer
 from wsgen.simulation.session_state import Moment, Opened, RobotState, Watched
 from wsgen.simulation.simulate import brake, is_finite, spawn_robots, tilt_of, watch_robots
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -14,7 +14,7 @@ from wsgen.model.time_series import TimeSeries  # noqa: TC001
 from wsgen.model.transform import IDENTITY, Pose, Vector
 from wsgen.model.world import World  # noqa: TC001
 from wsgen.simulation.engine import HullGap, Refused  # noqa: TC001
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
@@ -94,7 +94,7 @@ class BehaviorMeasurement:
 
 @dataclass(frozen=True, kw_only=True)
 class RobotRun:
-    """What was measured of one robot. It states facts; `wsgen.rules` checks them."""
+    """What was measured of one robot. It states facts; `wsgen.checks.rules` checks them."""
 
     entity: str
     links: int  # that the engine simulates

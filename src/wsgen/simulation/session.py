@@ -26,7 +26,7 @@ from wsgen.simulation.engine import Contact
 from wsgen.simulation.run import explain_death
 from wsgen.simulation.scene import NotDrawn, Picture, Video
 from wsgen.simulation.session_state import Moment, Opened, Watched
-from wsgen.suggestions import ask_for_nearest
+from wsgen.text.suggestions import ask_for_nearest
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -43,9 +43,9 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 TASKS = {
-    "bullet": "wsgen.tasks.bullet:serve",
-    "dart": "wsgen.tasks.dart:serve",
-    "mujoco": "wsgen.tasks.mujoco:serve",
+    "bullet": "wsgen.pipeline.tasks.bullet:serve",
+    "dart": "wsgen.pipeline.tasks.dart:serve",
+    "mujoco": "wsgen.pipeline.tasks.mujoco:serve",
 }
 
 # CPU time that a command may take. Large robots are slower than real time; the limit is for an
@@ -147,7 +147,7 @@ class Session(contextlib.AbstractContextManager["Session"]):
 
         Args:
             entity: The robot.
-            drive: Its differential drive (`wsgen.urdf.diff_drive.find_diff_drive`).
+            drive: Its differential drive (`wsgen.descriptions.urdf.diff_drive.find_diff_drive`).
             linear: m/s, ahead.
             angular: rad/s, about z.
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping  # noqa: TC003  the type hints of answers ar
 from wsgen.model.transform import Pose  # noqa: TC001
 from wsgen.simulation.engine import Loaded, Refused  # noqa: TC001
 from wsgen.simulation.scene import RobotRun  # noqa: TC001
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 
 @dataclass(frozen=True, kw_only=True)

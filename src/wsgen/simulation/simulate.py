@@ -1,4 +1,4 @@
-"""The simulation: spawn, let go, measure; `wsgen.rules` checks."""
+"""The simulation: spawn, let go, measure; `wsgen.checks.rules` checks."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from wsgen.model.transform import (
 )
 from wsgen.simulation.engine import Refused, look_at
 from wsgen.simulation.scene import LOADING, Overlapping, RobotRun
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

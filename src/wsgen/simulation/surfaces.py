@@ -39,8 +39,8 @@ def triangles_of(mesh: Mesh) -> NDArray[np.float64]:
         UnreadError: They cannot be used.
     """
     # The readers take as long to import as a simulation, and many robots have no meshes.
-    from wsgen.meshes.content import BrokenMeshError  # noqa: PLC0415
-    from wsgen.meshes.worker import read_mesh  # noqa: PLC0415
+    from wsgen.descriptions.meshes.content import BrokenMeshError  # noqa: PLC0415
+    from wsgen.descriptions.meshes.worker import read_mesh  # noqa: PLC0415
 
     try:
         corners: NDArray[np.float64] = read_mesh(Path(str(mesh.path))).corners * np.array(

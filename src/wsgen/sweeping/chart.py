@@ -14,7 +14,7 @@ import numpy as np
 from wsgen.errors import RequestError
 from wsgen.sweeping.borders import is_over_decades
 from wsgen.sweeping.summary import describe_parameter, unit_of, write_share
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from wsgen.model.sweep import Axis, Design, Distribution
-    from wsgen.workspace.sweep_settings import SweepSettings
+    from wsgen.packages.workspace.sweep_settings import SweepSettings
 
 
 def make_design_with(  # noqa: PLR0913  the options

@@ -7,7 +7,8 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from wsgen.files import read_whole
+from wsgen.descriptions.xacro.reader import read_arguments
+from wsgen.descriptions.xacro.source import written_elements
 from wsgen.pipeline.file_validation import FileValidation
 from wsgen.pipeline.prepare import PrepareContext
 from wsgen.pipeline.requests import FILE_SUFFIXES, ValidateRequest
@@ -15,8 +16,7 @@ from wsgen.sweeping.blueprint import Blueprint
 from wsgen.sweeping.kept_answers import KeptAnswers
 from wsgen.sweeping.parameters import Parameter, write_value
 from wsgen.sweeping.subject import Prepared, RobotText, Subject
-from wsgen.xacro.reader import read_arguments
-from wsgen.xacro.source import written_elements
+from wsgen.text.files import read_whole
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
     from wsgen.isolation.parent import Run
     from wsgen.model.sweep import Value
+    from wsgen.packages.workspace.overlay import Overlay
     from wsgen.sweeping.subject import SubjectRequest
-    from wsgen.workspace.overlay import Overlay
 
 
 ARGUMENT = "xacro:arg"

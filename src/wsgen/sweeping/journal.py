@@ -17,9 +17,9 @@ from array import array
 from typing import TYPE_CHECKING, BinaryIO
 
 from wsgen.errors import RequestError, WouldOverwriteError
-from wsgen.files import explain_write_error, refuse_irregular, replace_file
 from wsgen.model.sweep import Column
-from wsgen.values import dataclass
+from wsgen.text.files import explain_write_error, refuse_irregular, replace_file
+from wsgen.text.values import dataclass
 
 try:
     import fcntl

@@ -9,8 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from wsgen.descriptions.meshes import inspection, shape_meshes
 from wsgen.isolation.result import DEFAULT_LIMITS, Answered, Died, Limits
-from wsgen.meshes import inspection, shape_meshes
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -6,9 +6,13 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+from wsgen.descriptions.xacro.source import written_elements
 from wsgen.diagnostics import Severity, has_errors
-from wsgen.launch.evaluate import evaluate
+from wsgen.launching.evaluate import evaluate
 from wsgen.model.behavior import LaunchTask
+from wsgen.packages.workspace.layout import Workspace, find_launch_files
+from wsgen.packages.workspace.overlay import require_share
+from wsgen.packages.workspace.settings import read_settings
 from wsgen.pipeline.load_scene import select_only
 from wsgen.pipeline.package_validation import Validation, why_nothing_is_simulated
 from wsgen.pipeline.prepare import KnownRobots
@@ -18,10 +22,6 @@ from wsgen.sweeping.blueprint import Blueprint
 from wsgen.sweeping.kept_answers import KeptAnswers
 from wsgen.sweeping.parameters import Parameter, write_value
 from wsgen.sweeping.subject import Prepared, RobotText, Subject, files_below
-from wsgen.workspace.layout import Workspace, find_launch_files
-from wsgen.workspace.overlay import require_share
-from wsgen.workspace.settings import read_settings
-from wsgen.xacro.source import written_elements
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -33,10 +33,10 @@ if TYPE_CHECKING:
     from wsgen.model.plan import LaunchArgument
     from wsgen.model.sweep import Value
     from wsgen.model.world import World
+    from wsgen.packages.workspace.overlay import Overlay
     from wsgen.pipeline.prepare import PreparedRobot
     from wsgen.pipeline.requests import SelectedPackage
     from wsgen.sweeping.subject import SubjectRequest
-    from wsgen.workspace.overlay import Overlay
 
 
 class PackageSubject(Subject):

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from wsgen.errors import RequestError
 from wsgen.model.sweep import LEAST_INTEGER, MOST_INTEGER
-from wsgen.suggestions import ask_for_nearest, some_of
-from wsgen.values import dataclass
+from wsgen.text.suggestions import ask_for_nearest, some_of
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence

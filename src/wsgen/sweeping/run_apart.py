@@ -12,11 +12,11 @@ import time
 from contextlib import ExitStack, suppress
 from typing import TYPE_CHECKING, Any
 
-from wsgen.executors.child import ChildDiedError
-from wsgen.executors.shared import share
 from wsgen.isolation.child import scratch_folder
 from wsgen.isolation.codec import decode
 from wsgen.model.sweep import Row
+from wsgen.sweeping.executors.child import ChildDiedError
+from wsgen.sweeping.executors.shared import share
 from wsgen.sweeping.run_variant import can_run, row_without_run, run_variant
 from wsgen.sweeping.runner import (
     LONGEST_CALL,
@@ -26,16 +26,16 @@ from wsgen.sweeping.runner import (
     run_all,
 )
 from wsgen.sweeping.subjects import open_subject
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
     from concurrent.futures import Future
 
-    from wsgen.executors.shared import Shared
     from wsgen.isolation.result import Limits
     from wsgen.model.sweep import Variant
     from wsgen.sweeping.blueprint import Blueprint
+    from wsgen.sweeping.executors.shared import Shared
     from wsgen.sweeping.runner import RunExecutor
     from wsgen.sweeping.subject import Subject, SubjectRequest
 

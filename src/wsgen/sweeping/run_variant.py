@@ -5,16 +5,16 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, Any
 
-from wsgen.alike import summed_up
+from wsgen.checks.rules.catalogue import without_allowed
 from wsgen.diagnostics import Severity, has_errors
 from wsgen.isolation.codec import decode
 from wsgen.isolation.in_process import run_here
 from wsgen.isolation.result import Answered, Died
+from wsgen.model.alike import summed_up
 from wsgen.model.sweep import Row
 from wsgen.pipeline.requests import ValidateRequest
 from wsgen.pipeline.run_robots import simulate_robots
 from wsgen.pipeline.simulation_result import SimulationResult
-from wsgen.rules.catalogue import without_allowed
 from wsgen.simulation.scene import Push, SceneResult
 from wsgen.sweeping.apply import apply
 from wsgen.sweeping.figures import figures_of

@@ -7,12 +7,12 @@ from collections import OrderedDict
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Protocol
 
-from wsgen.executors.child import ChildDiedError
-from wsgen.executors.shared import Shared, share
 from wsgen.isolation.codec import decode
 from wsgen.isolation.result import Limits
 from wsgen.model.robot import Mesh
 from wsgen.model.sweep import Row
+from wsgen.sweeping.executors.child import ChildDiedError
+from wsgen.sweeping.executors.shared import Shared, share
 from wsgen.sweeping.run_variant import can_run, row_of_death, row_without_run, run_variants
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ SECONDS_A_SECOND = 20.0  # more for each that is simulated
 
 
 class RunExecutor(Protocol):
-    """What `run_all` needs of an executor; see `wsgen.executors`."""
+    """What `run_all` needs of an executor; see `wsgen.sweeping.executors`."""
 
     @property
     def window(self) -> int:

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wsgen.fixes.source import Edit, apply
-from wsgen.fixes.xml_source import children, read_tags
+from wsgen.checks.fixes.source import Edit, apply
+from wsgen.checks.fixes.xml_source import children, read_tags
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from wsgen.fixes.xml_source import Span, Tag
+    from wsgen.checks.fixes.xml_source import Span, Tag
 
 
 FRICTION = ("surface", "friction", "ode")  # of a <collision> in SDF, around <mu> and <mu2>

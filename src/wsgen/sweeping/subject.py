@@ -20,19 +20,19 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen import __version__
 from wsgen.errors import RequestError
 from wsgen.model.robot import Mesh
-from wsgen.source_shares import BUILD_FOLDERS
+from wsgen.packages.source_shares import BUILD_FOLDERS
 from wsgen.sweeping.parameters import OWN_NAMES, check_design, subject_values, write_value
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from wsgen.model.sweep import Design, Value
     from wsgen.model.target import Target
+    from wsgen.packages.workspace.layout import Workspace
     from wsgen.pipeline.prepare import PreparedRobot
     from wsgen.sweeping.blueprint import Blueprint
     from wsgen.sweeping.parameters import Parameter
-    from wsgen.workspace.layout import Workspace
 
 
 DISTRIBUTIONS = {  # engine -> what pip calls its library, by preference

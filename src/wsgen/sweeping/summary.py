@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wsgen.checks.rules.catalogue import find_rule
 from wsgen.diagnostics import Severity
-from wsgen.rules.catalogue import find_rule
 from wsgen.sweeping.borders import Dependence, find_borders
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

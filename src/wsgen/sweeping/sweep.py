@@ -9,11 +9,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wsgen.checks.rules.catalogue import without_allowed
 from wsgen.errors import RequestError
 from wsgen.model.sweep import Column
 from wsgen.pipeline.engines import check_engines
 from wsgen.pipeline.load_scene import BrokenSceneError
-from wsgen.rules.catalogue import without_allowed
 from wsgen.sweeping.design import Variants
 from wsgen.sweeping.figures import columns
 from wsgen.sweeping.journal import Header
@@ -25,16 +25,16 @@ from wsgen.sweeping.subjects import open_subject
 from wsgen.sweeping.summary import summarize
 from wsgen.sweeping.table import check_format, open_table
 from wsgen.sweeping.table_data import read_table
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterator, Mapping
 
     from wsgen.events import Listener
-    from wsgen.executors.dask_cluster import DaskExecutor
-    from wsgen.executors.local import LocalExecutor
     from wsgen.model.sweep import Design, Row, Value, Variant
     from wsgen.sweeping.blueprint import Blueprint
+    from wsgen.sweeping.executors.dask_cluster import DaskExecutor
+    from wsgen.sweeping.executors.local import LocalExecutor
     from wsgen.sweeping.runner import RunExecutor
     from wsgen.sweeping.subject import Subject, SubjectRequest
     from wsgen.sweeping.summary import Summary
@@ -381,9 +381,9 @@ def _run(  # noqa: PLR0913  what is run, where, and who hears of it
 def _executor(request: SweepRequest) -> LocalExecutor | DaskExecutor:
     """Where the runs are computed."""
     if request.scheduler is not None:
-        from wsgen.executors.scheduler import connect  # noqa: PLC0415  it is seldom wanted
+        from wsgen.sweeping.executors.scheduler import connect  # noqa: PLC0415  it is seldom wanted
 
         return connect(request.scheduler, jobs=request.jobs)
-    from wsgen.executors.local import LocalExecutor  # noqa: PLC0415  as above
+    from wsgen.sweeping.executors.local import LocalExecutor  # noqa: PLC0415  as above
 
     return LocalExecutor(request.jobs)

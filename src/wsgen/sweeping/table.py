@@ -17,12 +17,12 @@ import math
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from wsgen.errors import RequestError
-from wsgen.files import explain_write_error, irregular_kind, replace_file
 from wsgen.model.sweep import LEAST_INTEGER, MOST_INTEGER, Column, free_name
-from wsgen.printable import clean
-from wsgen.suggestions import nearest
 from wsgen.sweeping.journal import Header, Journal, Known
 from wsgen.sweeping.parquet import require_pyarrow, write_parquet
+from wsgen.text.files import explain_write_error, irregular_kind, replace_file
+from wsgen.text.printable import clean
+from wsgen.text.suggestions import nearest
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence

@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wsgen.errors import NotReadableError
-from wsgen.files import refuse_irregular
 from wsgen.sweeping.journal import read_known
 from wsgen.sweeping.parquet import read_parquet
 from wsgen.sweeping.table import CODES, DIAGNOSTIC, PASSED, RUN, full_columns, headings
-from wsgen.values import dataclass
+from wsgen.text.files import refuse_irregular
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence

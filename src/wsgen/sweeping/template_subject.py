@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import has_errors
 from wsgen.errors import RequestError
 from wsgen.model.package import Maintainer, suggest_package_name
+from wsgen.packages.source_shares import INDEX
+from wsgen.packages.workspace.layout import find_launch_files
+from wsgen.packages.workspace.overlay import overlay_of
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
 from wsgen.pipeline.started import start
-from wsgen.source_shares import INDEX
 from wsgen.sweeping.blueprint import Blueprint
 from wsgen.sweeping.kept_answers import KeptAnswers
 from wsgen.sweeping.package_subject import as_prepared
@@ -25,8 +27,6 @@ from wsgen.templating.sources import templates_folder
 from wsgen.templating.spec import make_spec
 from wsgen.templating.template import load_template
 from wsgen.templating.write import write_files
-from wsgen.workspace.layout import find_launch_files
-from wsgen.workspace.overlay import overlay_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -36,11 +36,11 @@ if TYPE_CHECKING:
     from wsgen.isolation.parent import Run
     from wsgen.model.package import PackageSpec
     from wsgen.model.sweep import Design, Value
+    from wsgen.packages.workspace.overlay import Overlay
     from wsgen.pipeline.started import Started
     from wsgen.sweeping.subject import SubjectRequest
     from wsgen.templating.render import RenderedTree
     from wsgen.templating.variables import Variable
-    from wsgen.workspace.overlay import Overlay
 
 
 MAINTAINER = Maintainer(name="wsgen", email="wsgen@example.com")

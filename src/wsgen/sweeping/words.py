@@ -23,7 +23,7 @@ from wsgen.model.sweep import (
     Design,
     Distribution,
 )
-from wsgen.suggestions import ask_for_nearest
+from wsgen.text.suggestions import ask_for_nearest
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

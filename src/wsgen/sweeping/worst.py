@@ -10,18 +10,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wsgen.checks.fixes.source import Edit
+from wsgen.checks.fixes.source import apply as apply_edits
+from wsgen.checks.fixes.xml_source import read_tags
+from wsgen.checks.rules.catalogue import without_allowed
 from wsgen.diagnostics import Severity
 from wsgen.errors import RequestError, WouldOverwriteError
 from wsgen.events import StepEnded, StepStarted, post
-from wsgen.files import read_regular_text, write_file
-from wsgen.fixes.source import Edit
-from wsgen.fixes.source import apply as apply_edits
-from wsgen.fixes.xml_source import read_tags
 from wsgen.isolation import parent
 from wsgen.pipeline.requests import ValidateRequest
 from wsgen.pipeline.run_robots import simulate_robots
-from wsgen.rules.catalogue import without_allowed
-from wsgen.suggestions import ask_for_nearest
 from wsgen.sweeping.apply import apply
 from wsgen.sweeping.parameters import (
     FRICTION,
@@ -35,7 +33,9 @@ from wsgen.sweeping.parameters import (
 from wsgen.sweeping.run_variant import can_run, pushes_of
 from wsgen.sweeping.scaled import scale_text
 from wsgen.templating.write import explain_failure, make_parents, unfinished_folder, write_files
-from wsgen.values import dataclass
+from wsgen.text.files import read_regular_text, write_file
+from wsgen.text.suggestions import ask_for_nearest
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

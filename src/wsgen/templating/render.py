@@ -12,7 +12,7 @@ from wsgen.model.package import WINDOWS_DEVICES
 from wsgen.templating.environment import Environment, describe_error, syntax_place
 from wsgen.templating.sources import ENDING, SourceError, find_source
 from wsgen.templating.template import MANIFEST, refuse
-from wsgen.values import lazy_pattern
+from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
     import re

@@ -14,7 +14,7 @@ from wsgen.isolation.codec import decode
 from wsgen.isolation.result import Died, Limits
 from wsgen.templating.render import FAILING_TEMPLATE, render_tree
 from wsgen.templating.template import refuse
-from wsgen.values import dataclass
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from types import FrameType

@@ -10,15 +10,15 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from wsgen import tomlfile
 from wsgen.diagnostics import Rule, Severity
 from wsgen.errors import BrokenTemplateError, RequestError
 from wsgen.model.package import PYTHON_KEYWORDS, check_package_name
 from wsgen.model.target import SIMULATORS, TARGETS
-from wsgen.suggestions import ask_for_nearest
 from wsgen.templating.sources import SHIPPED, templates_folder
 from wsgen.templating.variables import TYPES, Variable
-from wsgen.tomlfile import find_line
+from wsgen.text import tomlfile
+from wsgen.text.suggestions import ask_for_nearest
+from wsgen.text.tomlfile import find_line
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

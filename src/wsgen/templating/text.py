@@ -10,7 +10,7 @@ import re
 from typing import TYPE_CHECKING
 
 from wsgen.errors import RequestError
-from wsgen.values import lazy_pattern
+from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
     from wsgen.model.package import Answer

@@ -7,7 +7,7 @@ import string
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.errors import RequestError
-from wsgen.suggestions import ask_for_nearest
+from wsgen.text.suggestions import ask_for_nearest
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

@@ -5,12 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wsgen.checks.rules.behaviors import (
+    check_behavior,
+    command_beyond_limit,
+    unknown_behavior_joint,
+)
 from wsgen.diagnostics import Severity
 from wsgen.errors import RequestError
 from wsgen.model.behavior import Behavior, BehaviorRun, Drive, Reach
 from wsgen.pipeline.run_robots import check_robot
-from wsgen.report.text import render_text
-from wsgen.rules.behaviors import check_behavior, command_beyond_limit, unknown_behavior_joint
+from wsgen.reporting.text import render_text
 from wsgen.simulation.scene import BehaviorMeasurement
 from wsgen.testing.robot import assert_simulated
 

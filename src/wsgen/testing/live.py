@@ -15,8 +15,8 @@ from wsgen.pipeline.load_scene import load_scene, workspace_of
 from wsgen.pipeline.plan_launch import package_of, select_launch_file
 from wsgen.pipeline.requests import ValidateRequest
 from wsgen.simulation.run import default_engine
-from wsgen.suggestions import ask_for_nearest
 from wsgen.testing.robot import without_traceback
+from wsgen.text.suggestions import ask_for_nearest
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator, Mapping

@@ -6,7 +6,7 @@ import os
 
 import pytest
 
-from wsgen.ros_environment.environment import why_no_ros
+from wsgen.ros.environment.environment import why_no_ros
 
 _why = why_no_ros(os.environ)
 needs_ros = pytest.mark.skipif(

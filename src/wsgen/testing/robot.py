@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
+from wsgen.descriptions.urdf.diff_drive import NoDrive, find_diff_drive
 from wsgen.errors import RequestError, WsgenError
 from wsgen.model.kinematics import fixed_frames
 from wsgen.model.transform import compose
-from wsgen.suggestions import ask_for_nearest
-from wsgen.urdf.diff_drive import NoDrive, find_diff_drive
+from wsgen.text.suggestions import ask_for_nearest
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.errors import RequestError, WsgenError
-from wsgen.launch.launch_warnings import UNUSED_ARGUMENT
+from wsgen.launching.launch_warnings import UNUSED_ARGUMENT
 from wsgen.pipeline.engines import check_engines
 from wsgen.pipeline.load_scene import load_scene
 from wsgen.rendering.recording import why_no_video
@@ -15,8 +15,8 @@ from wsgen.simulation.run import default_engine
 from wsgen.simulation.scene import NotDrawn
 from wsgen.simulation.session import Session
 from wsgen.simulation.simulate import REST_HELD, is_moving
-from wsgen.suggestions import ask_for_nearest
 from wsgen.testing.robot import Robot, without_traceback
+from wsgen.text.suggestions import ask_for_nearest
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -84,23 +84,23 @@ def controlled(
     activates: bool = True,
 ) -> Iterator[Controlled]:
     """A robot with a controller of a type; `interfaces` are the commands of its joints."""
-    from wsgen.ros_nodes.simulator.ros2_control.controllers import (  # noqa: PLC0415  with fakes
+    from wsgen.live.nodes.simulator.ros2_control.controllers import (  # noqa: PLC0415  with fakes
         controller_class,
     )
-    from wsgen.ros_nodes.simulator.ros2_control.controllers.base import (  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.ros2_control.controllers.base import (  # noqa: PLC0415
         Surroundings,
     )
-    from wsgen.ros_nodes.simulator.ros2_control.hardware import (  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.ros2_control.hardware import (  # noqa: PLC0415
         OF_JOINTS,
         Component,
         ControlledJoint,
         Interfaces,
     )
-    from wsgen.ros_nodes.simulator.ros2_control.joints import (  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.ros2_control.joints import (  # noqa: PLC0415
         JointSystem,
         Settings,
     )
-    from wsgen.ros_nodes.simulator.ros2_control.parameters import Parameters  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.ros2_control.parameters import Parameters  # noqa: PLC0415
 
     simulation, ros = simulation_of(
         live_scene(simulator="gz", robot=robot, height=height), BulletEngine(GROUND)

@@ -34,13 +34,13 @@ class _Node(FakeNode):
 def test_it_drives_and_publishes_after_the_time_began_again() -> None:
     from geometry_msgs.msg import Twist  # noqa: PLC0415  a fake
 
-    from wsgen.ros_nodes.simulator.ros2_control.controllers.base import (  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.ros2_control.controllers.base import (  # noqa: PLC0415
         Surroundings,
     )
-    from wsgen.ros_nodes.simulator.ros2_control.controllers.diff_drive import (  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.ros2_control.controllers.diff_drive import (  # noqa: PLC0415
         DiffDriveController,
     )
-    from wsgen.ros_nodes.simulator.ros2_control.parameters import Parameters  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.ros2_control.parameters import Parameters  # noqa: PLC0415
 
     ros, now = FakeRos(), [0.0]
     node = _Node("wheels", "", [])

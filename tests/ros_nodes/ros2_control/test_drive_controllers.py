@@ -56,7 +56,7 @@ FORMER: dict[str, Any] = {
 @pytest.fixture(autouse=True)
 def _messages(monkeypatch: pytest.MonkeyPatch) -> None:
     install_sensor_messages(monkeypatch)
-    topics = importlib.import_module("wsgen.ros_nodes.simulator.topics")
+    topics = importlib.import_module("wsgen.live.nodes.simulator.topics")
     monkeypatch.setattr(topics, "COUNT_EVERY", -1.0)  # count subscriptions whenever they are asked
 
 
@@ -71,7 +71,7 @@ def twist(made: Controlled, x: float = 0.0, y: float = 0.0, turn: float = 0.0) -
 
 
 def heading(made: Controlled) -> float:
-    from wsgen.ros_nodes.simulator.messages import yaw_of  # noqa: PLC0415  with fakes
+    from wsgen.live.nodes.simulator.messages import yaw_of  # noqa: PLC0415  with fakes
 
     return yaw_of(made.robot.state().xyzw)
 
@@ -116,7 +116,7 @@ def test_a_car_drives_a_curve(is_former: bool) -> None:
 
 
 def test_commands_for_the_steering_and_back() -> None:
-    from wsgen.ros_nodes.simulator.ros2_control.steering import SteeringBase  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.ros2_control.steering import SteeringBase  # noqa: PLC0415
 
     base = SteeringBase(
         wheelbase=2.0, radius=0.5, traction_track=1.0, steering_track=1.2, driven=2, steered=2
@@ -137,7 +137,7 @@ def test_commands_for_the_steering_and_back() -> None:
 
 
 def test_old_commands_and_wrong_parameters_are_refused() -> None:
-    from wsgen.ros_nodes.simulator.ros2_control.controllers.base import (  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.ros2_control.controllers.base import (  # noqa: PLC0415
         ControllerError,
     )
 
@@ -358,7 +358,7 @@ def test_measures_that_no_robot_has_are_refused(
     kind: str, parameters: dict[str, Any], problem: str
 ) -> None:
     """Instead of a division by 0 when the wheels turn."""
-    from wsgen.ros_nodes.simulator.ros2_control.controllers.base import (  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.ros2_control.controllers.base import (  # noqa: PLC0415
         ControllerError,
     )
 

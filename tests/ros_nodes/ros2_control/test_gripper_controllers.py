@@ -102,7 +102,7 @@ def _actions(monkeypatch: pytest.MonkeyPatch, messages: None) -> None:
     package.action = actions
     for module in (types.ModuleType("rclpy"), rclpy_action, package, actions):
         monkeypatch.setitem(sys.modules, module.__name__, module)
-    topics = importlib.import_module("wsgen.ros_nodes.simulator.topics")
+    topics = importlib.import_module("wsgen.live.nodes.simulator.topics")
     monkeypatch.setattr(topics, "COUNT_EVERY", -1.0)
 
 
@@ -188,7 +188,7 @@ def test_a_parallel_gripper() -> None:
 
 
 def test_a_gripper_without_a_joint() -> None:
-    from wsgen.ros_nodes.simulator.ros2_control.controllers.base import (  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.ros2_control.controllers.base import (  # noqa: PLC0415
         ControllerError,
     )
 

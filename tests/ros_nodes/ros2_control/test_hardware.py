@@ -7,20 +7,20 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from wsgen.model.devices import Element
-from wsgen.model.robot import Joint, JointLimit, JointType, Link, Mimic, Robot
-from wsgen.ros_nodes.simulator.ros2_control.hardware import (
+from wsgen.descriptions.urdf.devices import read_devices
+from wsgen.descriptions.urdf.lumping import lump
+from wsgen.descriptions.urdf.reader import read_urdf
+from wsgen.live.nodes.simulator.ros2_control.hardware import (
     Follows,
     Gains,
     Interfaces,
     Pid,
     read_hardware,
 )
-from wsgen.ros_nodes.simulator.ros2_control.joints import FASTEST, JointSystem, Settings
+from wsgen.live.nodes.simulator.ros2_control.joints import FASTEST, JointSystem, Settings
+from wsgen.model.devices import Element
+from wsgen.model.robot import Joint, JointLimit, JointType, Link, Mimic, Robot
 from wsgen.simulation.engine import Motor
-from wsgen.urdf.devices import read_devices
-from wsgen.urdf.lumping import lump
-from wsgen.urdf.reader import read_urdf
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

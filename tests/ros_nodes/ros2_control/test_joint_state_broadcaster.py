@@ -10,8 +10,8 @@ import pytest
 
 from ros_nodes.ros2_control.controlled import controlled
 from simulation.robots import body, joint, tree
+from wsgen.live.nodes.simulator.ros2_control.unordered import unordered
 from wsgen.model.robot import Box, JointType
-from wsgen.ros_nodes.simulator.ros2_control.unordered import unordered
 
 KIND = "joint_state_broadcaster/JointStateBroadcaster"
 NAMES = ("right_wheel_joint", "left_wheel_joint", "arm_joint")

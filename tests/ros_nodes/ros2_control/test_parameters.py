@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.ros_nodes.simulator.ros2_control.parameters import (
+from wsgen.live.nodes.simulator.ros2_control.parameters import (
     ParameterFiles,
     Parameters,
     is_match,

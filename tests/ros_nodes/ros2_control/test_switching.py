@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from wsgen.ros_nodes.simulator.ros2_control.switching import (
+from wsgen.live.nodes.simulator.ros2_control.switching import (
     ACTIVE,
     BEST_EFFORT,
     INACTIVE,

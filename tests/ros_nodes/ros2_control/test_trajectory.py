@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from wsgen.ros_nodes.simulator.ros2_control.trajectory import (
+from wsgen.live.nodes.simulator.ros2_control.trajectory import (
     Accepted,
     Follower,
     Message,

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from wsgen.ros_nodes.simulator.ros2_control.parameters import Parameters
-from wsgen.ros_nodes.simulator.ros2_control.wheels import Limits, WheelOdometry
+from wsgen.live.nodes.simulator.ros2_control.parameters import Parameters
+from wsgen.live.nodes.simulator.ros2_control.wheels import Limits, WheelOdometry
 
 
 def limits(*, is_former: bool = False, **values: Any) -> Limits:

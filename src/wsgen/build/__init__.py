@@ -1,1 +1,0 @@
-"""Run colcon on a workspace and explain why a build fails."""

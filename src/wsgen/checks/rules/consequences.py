@@ -1,0 +1,225 @@
+"""What follows from what: one cause is one diagnostic.
+
+A robot without <collision> falls through the ground. When the description is reported, the fall
+is no second problem; it shows how severe the first one is. The diagnostic of the run is then folded
+into that of the description, which takes over its severity and its message.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+from wsgen.checks.rules.bodies import (
+    CENTER_OF_MASS_OUTSIDE,
+    IMPLAUSIBLE_DENSITY,
+    UNLIKE_SHAPES,
+    WHEEL_WITHOUT_COLLISION,
+)
+from wsgen.checks.rules.drives import DRIVE_UNLIKE_WHEELS, WHEEL_ROLLS_SIDEWAYS
+from wsgen.checks.rules.plugins import (
+    PLUGIN_OF_OTHER_SIMULATOR,
+    UNKNOWN_PLUGIN,
+    UNKNOWN_PLUGIN_PART,
+    UNREAD_PLUGIN_PARAMETER,
+)
+from wsgen.checks.rules.robots import (
+    IMPLAUSIBLE_INERTIA,
+    IMPLAUSIBLE_MASS,
+    IMPLAUSIBLE_SIZE,
+    LOOSE_JOINT,
+    NO_COLLISION,
+    OVERSIZED_PART,
+    STARTS_OUTSIDE_LIMITS,
+)
+from wsgen.checks.rules.runs import (
+    BEHAVIOR_EXPLODES,
+    ENGINE_UNSTABLE,
+    ENGINES_DISAGREE,
+    FALLS_WITHOUT_END,
+    GAINS_ENERGY,
+    HEADING_NOT_REACHED,
+    JOINT_BEYOND_LIMIT,
+    KEEPS_MOVING,
+    LEANS,
+    POSITION_NOT_REACHED,
+    SPAWNED_HIGH,
+    SPAWNED_IN_GROUND,
+    STATE_NOT_FINITE,
+    STUCK_IN_GROUND,
+    THROWN_INTO_THE_AIR,
+    TIPS_OVER,
+)
+from wsgen.descriptions.meshes.inspection import IMPLAUSIBLE_MESH_SIZE
+from wsgen.descriptions.rules import IMPOSSIBLE_INERTIA, MISSPELLED_ATTRIBUTE, MISSPELLED_ELEMENT
+from wsgen.descriptions.sdf.assembly import JOINT_LEFT_OUT
+from wsgen.descriptions.sdf.bodies import DEFAULT_INERTIA, MASSLESS_MODEL_LINK
+from wsgen.descriptions.sdf.shapes import SHAPE_LEFT_OUT
+from wsgen.descriptions.urdf.lumping import DROPPED_LINK, IMPOSSIBLE_SUM, TWO_ZERO_MASSES
+from wsgen.descriptions.urdf.unknown_elements import meant_element
+from wsgen.diagnostics import Diagnostic, Severity
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from wsgen.diagnostics import Rule
+
+
+def _codes(*rules: Rule) -> tuple[str, ...]:
+    return tuple(rule.code for rule in rules)
+
+
+# What a run shows.
+EXPLODES = _codes(STATE_NOT_FINITE, THROWN_INTO_THE_AIR, GAINS_ENERGY, ENGINE_UNSTABLE)
+FALLS = _codes(FALLS_WITHOUT_END, KEEPS_MOVING, TIPS_OVER, LEANS)
+MOVES = (*_codes(STUCK_IN_GROUND, JOINT_BEYOND_LIMIT), *FALLS, *EXPLODES)
+# What the behaviors of a package show.
+DRIVES = _codes(POSITION_NOT_REACHED, HEADING_NOT_REACHED)
+BEHAVES = (*DRIVES, BEHAVIOR_EXPLODES.code)
+# The start, and that two engines never agree on what explodes or falls.
+ANY = (*MOVES, *BEHAVES, *_codes(SPAWNED_IN_GROUND, SPAWNED_HIGH, ENGINES_DISAGREE))
+
+
+class Consequence(NamedTuple):
+    """What a diagnostic about a description explains of a run of the same robot."""
+
+    cause: str  # the code of its rule
+    follows: tuple[str, ...]  # codes of rules about the run
+    errors: tuple[str, ...] = ()  # codes that follow only as errors: as warnings they have
+    # another cause, such as joints that are not actuated
+
+
+# Where several explain the same, the first does.
+CONSEQUENCES = (
+    # In other units nothing about the run is right.
+    Consequence(IMPLAUSIBLE_SIZE.code, ANY),
+    Consequence(IMPLAUSIBLE_MESH_SIZE.code, ANY),
+    Consequence(OVERSIZED_PART.code, ANY),
+    Consequence(IMPLAUSIBLE_MASS.code, (*MOVES, *BEHAVES, ENGINES_DISAGREE.code)),
+    # Nothing touches the ground.
+    Consequence(NO_COLLISION.code, _codes(FALLS_WITHOUT_END)),
+    Consequence(SHAPE_LEFT_OUT.code, _codes(FALLS_WITHOUT_END, TIPS_OVER, LEANS)),
+    # The simulated robot is not the one that was meant.
+    Consequence(MISSPELLED_ELEMENT.code, ANY),
+    Consequence(MISSPELLED_ATTRIBUTE.code, ANY),
+    # The weight is elsewhere, or what should carry it touches nothing.
+    Consequence(CENTER_OF_MASS_OUTSIDE.code, MOVES),
+    Consequence(UNLIKE_SHAPES.code, ANY),
+    *(
+        Consequence(cause.code, (*_codes(TIPS_OVER, LEANS, SPAWNED_IN_GROUND), *DRIVES))
+        for cause in (WHEEL_WITHOUT_COLLISION, WHEEL_ROLLS_SIDEWAYS)
+    ),
+    # The wheels turn as the plugin computes it from other sizes.
+    *(Consequence(cause.code, DRIVES) for cause in (DRIVE_UNLIKE_WHEELS, UNREAD_PLUGIN_PARAMETER)),
+    # A part falls off.
+    Consequence(LOOSE_JOINT.code, (), errors=FALLS),
+    Consequence(JOINT_LEFT_OUT.code, (), errors=FALLS),
+    # Links with too little inertia shake.
+    Consequence(IMPOSSIBLE_INERTIA.code, EXPLODES, errors=_codes(KEEPS_MOVING)),
+    Consequence(IMPLAUSIBLE_INERTIA.code, EXPLODES, errors=_codes(KEEPS_MOVING)),
+    # So does one that is too heavy for what carries it, or sinks in.
+    Consequence(
+        IMPLAUSIBLE_DENSITY.code,
+        (*EXPLODES, *BEHAVES, STUCK_IN_GROUND.code),
+        errors=_codes(KEEPS_MOVING),
+    ),
+    Consequence(DEFAULT_INERTIA.code, EXPLODES, errors=_codes(KEEPS_MOVING)),
+    Consequence(MASSLESS_MODEL_LINK.code, EXPLODES, errors=_codes(KEEPS_MOVING)),
+    # The limit pushes the joint.
+    Consequence(STARTS_OUTSIDE_LIMITS.code, EXPLODES, errors=_codes(KEEPS_MOVING)),
+)
+# Gazebo drops the wheels, or the plugin that drives them finds nothing to turn.
+WITHOUT_WHEELS = _codes(DROPPED_LINK, TWO_ZERO_MASSES, IMPOSSIBLE_SUM)
+OF_PLUGINS = _codes(UNKNOWN_PLUGIN, PLUGIN_OF_OTHER_SIMULATOR, UNKNOWN_PLUGIN_PART)
+DIFF_DRIVE = re.compile(r"diff[-_]drive")
+MISSPELLED = _codes(MISSPELLED_ELEMENT, MISSPELLED_ATTRIBUTE)
+MOVING_PART = re.compile(r"(?:^|/)(?:link|joint|gazebo)\b")
+WITHOUT_EFFECT = ("visual", "material", "sensor", "plugin", "light", "transmission", "ros2_control")
+NAME = re.compile(r"\[@\w+='[^']*'\]")
+JOINT = re.compile(r"\bjoint\[@name='([^']*)'\]")
+
+
+class Folded(NamedTuple):
+    """The diagnostics of one robot, each cause once."""
+
+    prepared: tuple[Diagnostic, ...]  # as many as before, with what follows from them
+    run: tuple[Diagnostic, ...]  # what nothing in the description explains
+
+
+def fold_consequences(prepared: Iterable[Diagnostic], run: Iterable[Diagnostic]) -> Folded:
+    """Fold what follows from the description of a robot into the diagnostics about that.
+
+    `run` is what is reported about the run of this robot, in any engine.
+    """
+    causes = list(prepared)
+    followed: dict[int, list[Diagnostic]] = {}
+    left = []
+    for found in run:
+        place = _cause_of(found, causes)
+        if place is None:
+            left.append(found)
+        else:
+            followed.setdefault(place, []).append(found)
+    for place, consequences in followed.items():
+        causes[place] = _with_worst(causes[place], consequences)
+    return Folded(tuple(causes), tuple(left))
+
+
+def explains_no_drive(found: Diagnostic) -> bool:
+    """Whether what is wrong with a description keeps its diff drive plugin from working."""
+    if found.severity is not Severity.ERROR:
+        return False
+    said = f"{found.element} {found.message} {found.hint}"
+    return found.code in WITHOUT_WHEELS or (
+        found.code in OF_PLUGINS and DIFF_DRIVE.search(said) is not None
+    )
+
+
+def joints_beyond_limits(prepared: Iterable[Diagnostic]) -> frozenset[str]:
+    """The joints that are reported to start outside of their limits, which move them."""
+    return frozenset(
+        name
+        for found in prepared
+        if found.code == STARTS_OUTSIDE_LIMITS.code
+        for name in JOINT.findall(found.element or "")
+    )
+
+
+def _cause_of(found: Diagnostic, causes: Sequence[Diagnostic]) -> int | None:
+    for row in CONSEQUENCES:
+        is_error = found.severity is Severity.ERROR
+        if found.code in row.follows or (is_error and found.code in row.errors):
+            for place, cause in enumerate(causes):
+                if cause.code == row.cause and _has_effect(cause):
+                    return place
+    return None
+
+
+def _has_effect(cause: Diagnostic) -> bool:
+    """Whether it can change how a robot moves; what is only seen or read cannot."""
+    element = cause.element or ""
+    if cause.code == DRIVE_UNLIKE_WHEELS.code:
+        return True
+    if cause.code == UNREAD_PLUGIN_PARAMETER.code:
+        return DIFF_DRIVE.search(element) is not None
+    tags = NAME.sub("", element).split("/")
+    if any(meant_element(tag, WITHOUT_EFFECT) for tag in tags if tag):
+        return False
+    return cause.code not in MISSPELLED or MOVING_PART.search(element) is not None
+
+
+def _with_worst(cause: Diagnostic, consequences: Sequence[Diagnostic]) -> Diagnostic:
+    """The cause, as severe as the worst that follows from it, with the message of that."""
+    order = list(Severity)
+    worst = min(consequences, key=lambda found: order.index(found.severity))
+    message = worst.message
+    if worst.code == ENGINE_UNSTABLE.code:
+        message = f"In the simulation, {message}"
+    elif not message.startswith("In "):  # else it names its engine
+        message = f"In the simulation, {message[0].lower()}{message[1:]}"
+    return replace(
+        cause,
+        severity=min(cause.severity, worst.severity, key=order.index),
+        message=f"{cause.message} {message}",
+    )

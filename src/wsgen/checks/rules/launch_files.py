@@ -1,0 +1,275 @@
+"""The rules about what launch files and parameter files write: paths, files, arguments."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wsgen.diagnostics import Rule, Severity
+from wsgen.launching.commands import started_launch_files, started_programs
+from wsgen.launching.explain import ROS_1_LAUNCH_FILE
+from wsgen.launching.explain_missing import first_missing, nodes_of
+from wsgen.text.markup import read_text, without_comments
+from wsgen.text.suggestions import advice, some_of
+from wsgen.text.values import lazy_pattern
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Sequence
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.model.plan import LaunchPlan, Process
+
+
+MISSING_ARGUMENT_FILE = Rule(
+    code="LCH080",
+    name="missing-argument-file",
+    severity=Severity.WARNING,
+    summary="A node is given the path of a file that the package does not install.",
+    what="Looks at the arguments and parameters of nodes for paths in the share folder of a "
+    "package of the workspace, such as RViz configurations, maps and parameters.",
+    why="The node does not find the file: RViz starts with an empty window, other nodes end with "
+    "an error.",
+    example="Node(package='rviz2', executable='rviz2',\n"
+    "     arguments=['-d', os.path.join(share, 'rviz', 'robot.rviz')])\n\n"
+    "# CMakeLists.txt\ninstall(DIRECTORY launch DESTINATION share/${PROJECT_NAME})",
+    instead="# CMakeLists.txt\ninstall(DIRECTORY launch rviz DESTINATION share/${PROJECT_NAME})",
+)
+HOME_PATH = Rule(
+    code="LCH081",
+    name="home-path",
+    severity=Severity.WARNING,
+    summary="A launch file or a parameter file contains a path in a home directory.",
+    why="The path exists only on one machine, for one user.",
+    example="world = '/home/me/ros2_ws/src/my_robot/worlds/office.sdf'",
+    instead="world = os.path.join(get_package_share_directory('my_robot'), 'worlds', 'office.sdf')",
+)
+UNUSED_DECLARED_ARGUMENT = Rule(
+    code="LCH084",
+    name="unused-declared-argument",
+    severity=Severity.INFO,
+    summary="A launch argument is declared but not read.",
+    what="Looks for names that a launch file, and those that it includes, use only in "
+    "`DeclareLaunchArgument`.",
+    why="A value for the argument has no effect.",
+    example="DeclareLaunchArgument('gui', default_value='true'),\nIncludeLaunchDescription(source)",
+    instead="DeclareLaunchArgument('gui', default_value='true'),\n"
+    "IncludeLaunchDescription(source, condition=IfCondition(LaunchConfiguration('gui')))",
+)
+ROS_1_COMMAND = Rule(
+    code="LCH089",
+    name="ros-1-command",
+    severity=Severity.ERROR,
+    summary="A launch file runs a command of ROS 1.",
+    why="ROS 2 has no such program, and the launch stops.",
+    example="ExecuteProcess(cmd=['rosrun', 'my_robot', 'driver'])",
+    instead="ExecuteProcess(cmd=['ros2', 'run', 'my_robot', 'driver'])",
+)
+
+_SHARE = lazy_pattern(r"(?:[\w./-]+:=)?(?:file://)?(/.*/share/([a-z][\w-]*)/.+\.\w+)")
+_HOME = lazy_pattern(r"(?:file://)?(?:/home|/Users)/[A-Za-z_][\w.-]*/[^\s\"'<>]+")
+_HOME_IN_LINE = lazy_pattern(rf"(?:^|[\s\"'=>])({_HOME.pattern})")
+_YAML_COMMENT = lazy_pattern(r"(?:^|(?<=\s))#.*", re.MULTILINE)
+_OF_ROS_1 = lazy_pattern(r"\$\((?:find|arg|optenv)\s|<node\b[^>]*\stype\s*=|<rosparam\b")
+_CHECKED_ELSEWHERE = frozenset(("spawn_entity.py", "create"))  # and worlds, which are no nodes'
+
+
+def missing_argument_files(
+    plan: LaunchPlan, is_known: Callable[[str], bool]
+) -> Iterator[Diagnostic]:
+    """Report paths in the share folder of a package, given to a node, that do not exist.
+
+    `is_known` says of a package that all that it installs is known.
+    """
+    for program in started_programs(plan):
+        if program.package is None or program.executable in _CHECKED_ELSEWHERE:
+            continue
+        for path, package in _shared(program):
+            if is_known(package) and not Path(path).exists() and not plan.is_unknown(path):
+                missing, beside = first_missing(path)
+                inside = path.partition(f"/share/{package}/")[2]
+                yield MISSING_ARGUMENT_FILE.at(
+                    program.file,
+                    program.line,
+                    path,
+                    message=f"`{program.name or program.executable}` is given '{inside}' of "
+                    f"{package}, which is not installed.",
+                    hint=advice(
+                        missing,
+                        beside,
+                        _how_to_install(Path(path), inside, package),
+                        cutoff=_NEAR,
+                    ),
+                )
+
+
+def _how_to_install(path: Path, inside: str, package: str) -> str:
+    folder, is_deeper, _ = inside.partition("/")
+    if is_deeper and path.parent.is_dir():
+        return f"Correct the path, or put the file into the folder: '{path.parent}' is installed."
+    what = f"DIRECTORY {folder}" if is_deeper else f"FILES {inside}"
+    return (
+        f"Install it: install({what} DESTINATION share/${{PROJECT_NAME}}) in the CMakeLists.txt of "
+        f"{package}; in setup.py, add it to data_files."
+    )
+
+
+_NEAR = 0.75  # so alike, as difflib counts, that the file beside it is meant
+
+
+def _shared(program: Process) -> Iterator[tuple[str, str]]:
+    """The paths in share folders that a node is given, each with the package."""
+    texts = (*program.arguments, *_texts(program.parameters.values()))
+    for text in dict.fromkeys(texts):
+        found = _SHARE.fullmatch(text)
+        if found is not None:
+            yield found[1], found[2]
+
+
+def _texts(values: Iterable[Any]) -> Iterator[str]:
+    for value in values:
+        if isinstance(value, str):
+            yield value
+        elif isinstance(value, list):
+            yield from _texts(value)
+
+
+# Commands of ROS 1 -> those of ROS 2.
+_COMMANDS_OF_ROS_1 = {
+    "rosrun": "ros2 run",
+    "roslaunch": "ros2 launch",
+    "rostopic": "ros2 topic",
+    "rosservice": "ros2 service",
+    "rosparam": "ros2 param",
+    "rosbag": "ros2 bag",
+    "rosnode": "ros2 node",
+}
+
+
+def ros_1_commands(plan: LaunchPlan) -> Iterator[Diagnostic]:
+    """Report commands of ROS 1."""
+    for program in started_programs(plan):
+        command = _COMMANDS_OF_ROS_1.get(program.executable or "")
+        if program.package is None and command is not None:
+            yield ROS_1_COMMAND.at(
+                program.file,
+                program.line,
+                program.executable,
+                message=f"`{program.executable}` is a command of ROS 1.",
+                hint=f"Write {', '.join(repr(word) for word in command.split())} instead.",
+            )
+
+
+def home_paths(file: Path) -> Iterator[Diagnostic]:
+    """Report, in one diagnostic, paths in a home directory that a file writes."""
+    found = list(_home_paths(file))
+    if found:
+        line, path = min(found)
+        more = f", and {len(found) - 1} more in this file" if len(found) > 1 else ""
+        yield HOME_PATH.at(
+            file,
+            line,
+            path,
+            message=f"'{path}' is a path in a home directory{more}.",
+            hint="Install the file with a package, and look it up: "
+            "get_package_share_directory('PACKAGE'), in XML $(find-pkg-share PACKAGE).",
+        )
+
+
+def _home_paths(file: Path) -> Iterator[tuple[int, str]]:
+    if file.suffix == ".py":
+        for node in _expressions(file):
+            if isinstance(node.value, str) and _HOME.fullmatch(node.value.strip()):
+                yield node.lineno, node.value.strip()
+        return
+    text = read_text(file) or ""
+    text = without_comments(text) if file.suffix == ".xml" else _YAML_COMMENT.sub("", text)
+    for number, line in enumerate(text.splitlines(), 1):
+        found = _HOME_IN_LINE.search(line)
+        if found is not None:
+            yield number, found[1]
+
+
+def _expressions(file: Path) -> Iterator[ast.Constant]:
+    """The constants of a file of Python, without the texts that only explain."""
+    nodes = list(nodes_of(file))
+    alone = {id(node.value) for node in nodes if isinstance(node, ast.Expr)}
+    for node in nodes:
+        if isinstance(node, ast.Constant) and id(node) not in alone:
+            yield node
+
+
+def unused_declared_arguments(plan: LaunchPlan) -> Iterator[Diagnostic]:
+    """Report launch arguments that are declared and that nothing reads."""
+    if not plan.is_complete or any(not one.evaluated for one in started_launch_files(plan)):
+        return
+    files = [file for file in plan.evaluated_files if file.suffix == ".py"]
+    if len(files) != len(plan.evaluated_files) or any(map(_reads_computed_names, files)):
+        return
+    texts = [read_text(file) or "" for file in files]
+    for file in files:
+        for node in nodes_of(file):
+            name = _declared(node)
+            if name is None or _count(name, texts) != 1:
+                continue
+            yield UNUSED_DECLARED_ARGUMENT.at(
+                file,
+                node.lineno,
+                name,
+                message=f"No launch file reads the launch argument `{name}`.",
+                hint=f"Read it with LaunchConfiguration('{name}'), or remove its declaration.",
+            )
+
+
+def _declared(node: Any) -> str | None:
+    """The name of the argument that a call declares."""
+    if not isinstance(node, ast.Call) or _called(node) != "DeclareLaunchArgument":
+        return None
+    names = [*node.args[:1], *(one.value for one in node.keywords if one.arg == "name")]
+    written = [one.value for one in names if isinstance(one, ast.Constant)]
+    return next((one for one in written if isinstance(one, str)), None)
+
+
+def _reads_computed_names(file: Path) -> bool:
+    """Whether a launch file reads launch arguments whose names it does not write."""
+    for node in nodes_of(file):
+        if isinstance(node, ast.Attribute) and node.attr == "launch_configurations":
+            return True
+        if isinstance(node, ast.Call) and _called(node) == "LaunchConfiguration":
+            names = [*node.args[:1], *(one.value for one in node.keywords)]
+            if not names or not isinstance(names[0], ast.Constant):
+                return True
+    return False
+
+
+def _called(node: ast.Call) -> str:
+    function = node.func
+    return function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
+
+
+def _count(name: str, texts: Sequence[str]) -> int:
+    word = re.compile(rf"(?<!\w){re.escape(name)}(?!\w)")
+    return sum(len(word.findall(text)) for text in texts)
+
+
+def ros_1_launch_files(files: Iterable[Path]) -> Iterator[Diagnostic]:
+    """Report, in one diagnostic, launch files of ROS 1 that `ros2 launch` does not list."""
+    found = []
+    for file in files:
+        text = without_comments(read_text(file) or "")
+        place = _OF_ROS_1.search(text)
+        if place is not None and "<launch" in text:
+            found.append((file, text.count("\n", 0, place.end()) + 1))
+    if found:
+        file, line = found[0]
+        names = [other.name for other, _ in found]
+        yield ROS_1_LAUNCH_FILE.at(
+            file,
+            line,
+            message=f"Launch files are written for ROS 1: {some_of(names)}."
+            if len(names) > 1
+            else "The launch file is written for ROS 1.",
+            hint="Rewrite it as NAME.launch.py or NAME.launch.xml, or remove it.",
+            severity=Severity.WARNING,
+        )

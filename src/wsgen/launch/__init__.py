@@ -1,1 +1,0 @@
-"""Launch files: evaluate them without ROS, and read from the plan what they spawn."""

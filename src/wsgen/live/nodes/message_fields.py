@@ -1,0 +1,126 @@
+"""Fill a message with the values of a user, who hears which field does not take which value."""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from wsgen.text.suggestions import ask_for_nearest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Iterator, Mapping
+
+
+class WrongFieldError(Exception):
+    """A message has no such field, or it takes no such value; the text is message and hint."""
+
+
+def fill(
+    message: Any,
+    values: Mapping[str, Any],
+    set_fields: Callable[..., Any],
+    type_name: str,
+) -> Any:
+    """Set the fields of a message; gives what `set_fields` gives.
+
+    Args:
+        message: Of ROS, as its constructor makes it.
+        values: By name of the field, nested as fields are.
+        set_fields: Sets them: `rosidl_runtime_py.set_message_fields`.
+        type_name: As the user has written it.
+
+    Raises:
+        WrongFieldError: A field is unknown, or does not take the value.
+    """
+    _check_names(message, values, type_name, type_name)
+    try:
+        return set_fields(message, values)
+    except Exception as error:  # noqa: BLE001  of messages, which check their values by assertions
+        refused = _refused(type(message), values, set_fields)
+        if refused is None:
+            raise WrongFieldError(f"{type_name} does not take these values: {error}.") from None
+        field, value, kind, why = refused
+        raise WrongFieldError(
+            f"The field `{field}` of {type_name} does not take {value!r}.\n"
+            f"Its type is `{kind}`: {why.rstrip('.')}."
+        ) from None
+
+
+def _check_names(
+    message: Any, values: Mapping[Any, Any], type_name: str, kind: str, before: str = ""
+) -> None:
+    """Refuse names that are no fields, also in messages of the message.
+
+    Args:
+        message: Whose names are checked.
+        values: For it.
+        type_name: The type of the whole message.
+        kind: The type of this one.
+        before: Its place in the whole message, `a.b`; empty: it is the whole.
+    """
+    known = message.get_fields_and_field_types()
+    for name, value in values.items():
+        if name not in known:  # YAML has numbers for names, too
+            of = f"`{before}` of {type_name}" if before else type_name
+            raise WrongFieldError(
+                f"{of} has no field `{name}`.\n"
+                f"{_blank_after_colon(str(name), known) or ask_for_nearest(str(name), known)}"
+                f"Fields of {kind}: {', '.join(known) or 'none'}."
+            )
+        for place, inner, inner_kind, inner_values in _messages_in(message, name, value):
+            where = f"{before}.{place}" if before else place
+            _check_names(inner, inner_values, type_name, inner_kind, where)
+
+
+def _blank_after_colon(name: str, known: Collection[str]) -> str:
+    """What to write where YAML has taken `{x:0.5}` for a name without a value."""
+    field, colon, value = name.partition(":")
+    return f"Write `{field}: {value}`, with a blank. " if colon and field in known else ""
+
+
+def _refused(
+    kind: type, values: Mapping[str, Any], set_fields: Callable[..., Any]
+) -> tuple[str, Any, str, str] | None:
+    """The first field that does not take its value alone: its place, value, type, and why.
+
+    None: each does.
+    """
+    for name, value in values.items():
+        try:
+            set_fields(kind(), {name: value})
+        except Exception as error:  # noqa: BLE001, PERF203  as in `fill`
+            message: Any = kind()
+            for place, inner, _inner_kind, inner_values in _messages_in(message, name, value):
+                found = _refused(type(inner), inner_values, set_fields)
+                if found is not None:
+                    field, refused_value, its_kind, why = found
+                    return f"{place}.{field}", refused_value, its_kind, why
+            why = next(iter(str(error).splitlines()), "") or type(error).__name__
+            return name, value, str(message.get_fields_and_field_types()[name]), why
+    return None
+
+
+def _messages_in(
+    message: Any, name: str, value: Any
+) -> Iterator[tuple[str, Any, str, Mapping[Any, Any]]]:
+    """The messages that a value of a field describes: place, an empty one, its type, its values."""
+    kind = str(message.get_fields_and_field_types()[name])
+    inner = getattr(message, name)
+    if isinstance(value, dict) and hasattr(inner, "get_fields_and_field_types"):
+        yield name, inner, kind, value
+    elif isinstance(value, list) and isinstance(inner, list):
+        of_elements = _class_of_elements(message, name)
+        if of_elements is not None:
+            element_kind = kind.removeprefix("sequence<").partition(",")[0].partition("[")[0]
+            for number, one in enumerate(value):
+                if isinstance(one, dict):
+                    yield f"{name}[{number}]", of_elements(), element_kind.rstrip(">"), one
+
+
+def _class_of_elements(message: Any, name: str) -> Any:
+    """The class of the messages in a list; None where it has no messages."""
+    kinds = dict(zip(message.get_fields_and_field_types(), message.SLOT_TYPES, strict=True))
+    kind: Any = getattr(kinds[name], "value_type", None)
+    if not hasattr(kind, "namespaces"):
+        return None
+    return getattr(importlib.import_module(".".join(kind.namespaces)), kind.name)

@@ -1,0 +1,261 @@
+"""Differential drives: of Gazebo Classic and of Gazebo Sim.
+
+Sources: ros-simulation/gazebo_ros_pkgs, gazebo_plugins/src/gazebo_ros_diff_drive.cpp (branch ros2);
+gazebosim/gz-sim, src/systems/diff_drive/DiffDrive.cc; gazebosim/gz-math, src/SpeedLimiter.cc and
+src/DiffDriveOdometry.cc. Neither stops when commands cease: the last one holds until the next.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from geometry_msgs.msg import TransformStamped, Twist
+from std_msgs.msg import Bool
+from tf2_msgs.msg import TFMessage
+
+from wsgen.descriptions.urdf.diff_drive import UnusableError, read_drive
+from wsgen.gazebo.plugins import CLASSIC, SIM, TWO_WHEELS
+from wsgen.live.nodes.simulator.elements import boolean, number, topics_of
+from wsgen.live.nodes.simulator.host import CannotWorkError, Plugin
+from wsgen.live.nodes.simulator.messages import (
+    can_follow_twist,
+    in_heading,
+    of_yaw,
+    set_pose,
+    set_transform,
+    set_transform_to,
+    set_twist,
+    yaw_of,
+)
+from wsgen.live.nodes.simulator.plugins.classic_odometry import (
+    classic_odometry,
+    classic_publishers,
+)
+from wsgen.live.nodes.simulator.plugins.gz_drive import DrivePublisher, driven_joints, values_of
+from wsgen.live.nodes.simulator.plugins.slip import SlipWatch
+from wsgen.live.nodes.simulator.plugins.wheels import WheelOdometry
+from wsgen.live.nodes.simulator.timing import Timer, until_next
+from wsgen.model.transform import compose, invert
+from wsgen.simulation.controllers import limited_motor, ode_motor
+
+if TYPE_CHECKING:
+    from wsgen.live.nodes.simulator.host import Host, RobotHandle
+    from wsgen.live.nodes.simulator.messages import Quaternion
+    from wsgen.model.behavior import DiffDrive
+    from wsgen.model.devices import Element
+    from wsgen.model.transform import Vector
+
+REACHED = 0.01  # m/s; Classic's plugin takes a speed that is so near for the wanted one
+WORLD = 1  # odometry_source of Classic's plugin: where the robot is, instead of its wheels
+
+
+class ClassicDiffDrive(Plugin):
+    """`libgazebo_ros_diff_drive.so`."""
+
+    def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
+        self._host, self._robot = host, robot
+        drive = _read(CLASSIC, robot, element)
+        self._pairs, self._acceleration = drive.pairs, drive.rim.acceleration
+        self._torque = drive.torque or 0.0
+        self._joints = {joint.name: joint for joint in robot.robot.movable_joints}
+        rate = number(element, "update_rate")
+        self.period = 1 / rate if rate > 0 else host.step_seconds
+        self._node = host.node(name=element.attributes.get("name"), ros=element.find("ros"))
+        self._linear = self._angular = 0.0  # as commanded
+        self._instructed = dict.fromkeys(
+            (name for pair in self._pairs for name in (pair.left, pair.right)), 0.0
+        )  # m/s, of the rims
+        self._last = host.now
+        first = self._pairs[0]
+        self._encoder = WheelOdometry(first.separation, first.radius, first.radius)
+        self._slip = SlipWatch(host, robot, first, tuple(self._instructed))
+        self._from_world = int(number(element, "odometry_source")) == WORLD
+        topics = topics_of(host, robot, element)
+        host.subscription(robot, Twist, topics["command"], self._command, node=self._node, depth=1)
+        self._odometry = classic_odometry(robot, element)
+        self._odometry_publisher, self._tf = classic_publishers(host, robot, element, self._node)
+        self._has_odom_tf = boolean(element, "publish_odom_tf")
+        self._has_wheel_tf = boolean(element, "publish_wheel_tf")
+        self._transforms = TFMessage(transforms=[TransformStamped()] if self._has_odom_tf else [])
+        self._wheel_joints = [
+            joint for joint in robot.robot.joints if joint.name in self._instructed
+        ]
+
+    def _command(self, message: Any) -> None:
+        if can_follow_twist(self._host, message, self._node.resolve_topic_name("cmd_vel")):
+            self._linear, self._angular = message.linear.x, message.angular.z
+
+    def update(self) -> None:
+        """Publish where the robot is, then turn the wheels."""
+        if not self._from_world:
+            positions, first = self._robot.joint_positions(), self._pairs[0]
+            self._encoder.update(positions[first.left], positions[first.right], self._host.now)
+        wants_odometry = self._odometry_publisher is not None and (
+            self._odometry_publisher.is_wanted
+        )
+        if wants_odometry or (self._tf is not None and self._tf.is_wanted):
+            self._publish()
+        self._drive()
+        self._slip.look()
+        self._last = self._host.now
+
+    def _publish(self) -> None:
+        stamp = self._host.stamp()
+        xyz, xyzw, linear, angular = self._by_world() if self._from_world else self._by_wheels()
+        if self._odometry_publisher is not None:
+            self._odometry.header.stamp = stamp
+            set_pose(self._odometry.pose.pose, xyz, xyzw)
+            set_twist(self._odometry.twist.twist, (*linear, 0.0), (0.0, 0.0, angular))
+            self._odometry_publisher.publish(self._odometry)
+        if self._tf is None:
+            return
+        if self._has_odom_tf:
+            message = self._transforms.transforms[0]
+            message.header.stamp = stamp
+            message.header.frame_id = self._odometry.header.frame_id
+            message.child_frame_id = self._odometry.child_frame_id
+            set_transform(message.transform, xyz, xyzw)
+            self._tf.publish(self._transforms)
+        if self._has_wheel_tf:
+            self._tf.publish(TFMessage(transforms=self._wheel_transforms(stamp)))
+
+    def _by_world(self) -> tuple[Vector, Quaternion, tuple[float, float], float]:
+        state = self._robot.state()
+        linear, angular = self._robot.root_velocity()
+        return state.xyz, state.xyzw, in_heading(yaw_of(state.xyzw), linear), angular[2]
+
+    def _by_wheels(self) -> tuple[Vector, Quaternion, tuple[float, float], float]:
+        wheels = self._encoder
+        # The plugin gives the length of the velocity, which is never negative.
+        speed = abs(wheels.linear), 0.0
+        return (wheels.x, wheels.y, 0.0), of_yaw(wheels.heading), speed, wheels.angular
+
+    def _wheel_transforms(self, stamp: Any) -> list[Any]:
+        """From the robot to its wheels, each below the name of the link that carries it."""
+        poses, made = self._robot.link_poses(), []
+        from_world = invert(poses[self._robot.robot.root])
+        for joint in self._wheel_joints:
+            message = TransformStamped(child_frame_id=joint.child)
+            message.header.stamp, message.header.frame_id = stamp, joint.parent
+            set_transform_to(message.transform, compose(from_world, poses[joint.child]))
+            made.append(message)
+        return made
+
+    def _drive(self) -> None:
+        is_free = math.isinf(self._acceleration)
+        speeds = {} if is_free else self._robot.joint_velocities()
+        most = self._acceleration * (self._host.now - self._last)
+        motors = {}
+        for pair in self._pairs:
+            rims_of_pair = pair.speeds(self._linear, self._angular)
+            wanted = dict(zip((pair.left, pair.right), rims_of_pair, strict=True))
+            rims = {name: speeds.get(name, 0.0) * pair.radius for name in wanted}
+            if is_free or all(abs(wanted[name] - rims[name]) < REACHED for name in wanted):
+                given = wanted
+            else:
+                for name, rim in wanted.items():
+                    change = min(most, max(-most, rim - rims[name]))
+                    self._instructed[name] += change
+                given = {name: self._instructed[name] for name in wanted}
+            for name, rim in given.items():
+                motors[name] = ode_motor(self._joints[name], rim / pair.radius, self._torque)
+        self._robot.drive(motors)
+
+    def reset(self) -> None:
+        """Stand still at the origin of the encoder."""
+        self._linear = self._angular = 0.0
+        self._instructed = dict.fromkeys(self._instructed, 0.0)
+        self._last = self._host.now
+        self._encoder.reset()
+        self._slip.reset()
+
+    def close(self) -> None:
+        """End its node."""
+        self._host.ros.forget_node(self._node)
+
+
+def _read(kind: str, robot: RobotHandle, element: Element) -> DiffDrive:
+    try:
+        return read_drive(kind, values_of(element), robot.robot)
+    except UnusableError as error:
+        raise CannotWorkError(f"{error.why.reason}. {error.why.hint}") from None
+
+
+class GzDiffDrive(Plugin):
+    """`gz-sim-diff-drive-system`."""
+
+    def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
+        self._host, self._robot = host, robot
+        drive = _read(SIM, robot, element)
+        self._left, self._right = driven_joints(host, robot, element, *TWO_WHEELS)
+        self._wheel_pair = pair = drive.pairs[0]
+        self._bounds = drive.linear, drive.angular
+        self._control = Timer(host.update_seconds, host.now)
+        self._wheels = WheelOdometry(pair.separation, pair.radius, pair.radius)
+        driven = tuple(joint.name for joint in (*self._left, *self._right))
+        self._slip = SlipWatch(host, robot, pair, driven)
+        topics = topics_of(host, robot, element)
+        self._topic = topics["command"]
+        host.subscription(robot, Twist, self._topic, self._command)
+        host.subscription(robot, Bool, topics["enable"], self._enable)
+        self._publisher = DrivePublisher(host, robot, element)
+        self._begin()
+
+    def _begin(self) -> None:
+        self._is_enabled = True
+        self._wanted = (0.0, 0.0)  # m/s, rad/s
+        self._last = self._before = (0.0, 0.0)
+        self._updated = self._host.now
+
+    def _command(self, message: Any) -> None:
+        if self._is_enabled and can_follow_twist(self._host, message, self._topic):
+            self._wanted = message.linear.x, message.angular.z
+
+    def _enable(self, message: Any) -> None:
+        self._is_enabled = message.data
+        if not self._is_enabled:
+            self._wanted = (0.0, 0.0)
+
+    def update(self) -> None:
+        """Turn the wheels, and publish where the robot is by them."""
+        now = self._host.now
+        if self._control.is_due(now):
+            self._drive()
+        positions = self._robot.joint_positions()
+        self._wheels.update(positions[self._left[0].name], positions[self._right[0].name], now)
+        if self._publisher.timer.is_due(now):
+            wheels = self._wheels
+            place = wheels.x, wheels.y, wheels.heading
+            self._publisher.publish(place, (wheels.linear, 0.0), wheels.angular)
+        self._slip.look()
+        self.period = until_next(now, self._control, self._publisher.timer)
+
+    def _drive(self) -> None:
+        seconds = self._host.now - self._updated or self._host.update_seconds
+        self._updated = self._host.now
+        linear, angular = (
+            bounds.next(last, wanted, seconds, before)
+            for bounds, wanted, last, before in zip(
+                self._bounds, self._wanted, self._last, self._before, strict=True
+            )
+        )
+        self._before, self._last = self._last, (linear, angular)
+        pair = self._wheel_pair
+        self._robot.drive(
+            {
+                joint.name: limited_motor(joint, rim / pair.radius)
+                for side, rim in zip(
+                    (self._left, self._right), pair.speeds(linear, angular), strict=True
+                )
+                for joint in side
+            }
+        )
+
+    def reset(self) -> None:
+        """Stand still at the origin of the odometry."""
+        self._begin()
+        self._wheels.reset()
+        self._slip.reset()
+        for timer in (self._control, self._publisher.timer):
+            timer.reset(self._host.now)

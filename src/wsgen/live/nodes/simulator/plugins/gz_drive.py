@@ -1,0 +1,123 @@
+"""What the drives of Gazebo Sim have in common: joints, limits, and odometry that they publish.
+
+Sources: gazebosim/gz-sim, src/systems/diff_drive/DiffDrive.cc,
+src/systems/ackermann_steering/AckermannSteering.cc and src/systems/mecanum_drive/MecanumDrive.cc.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from geometry_msgs.msg import TransformStamped
+from nav_msgs.msg import Odometry
+from tf2_msgs.msg import TFMessage
+
+from wsgen.descriptions.urdf.diff_drive import UnusableError, read_bounds
+from wsgen.live.nodes.simulator.elements import number, text, topics_of
+from wsgen.live.nodes.simulator.host import CannotWorkError
+from wsgen.live.nodes.simulator.messages import of_yaw, set_pose, set_transform, set_twist
+from wsgen.live.nodes.simulator.timing import Timer
+
+if TYPE_CHECKING:
+    from wsgen.live.nodes.simulator.host import Host, RobotHandle
+    from wsgen.model.behavior import Bounds
+    from wsgen.model.devices import Element
+    from wsgen.model.robot import Joint
+
+
+class DrivePublisher:
+    """Publishes where the wheels say that a robot is, on two topics of Gazebo.
+
+    Attributes:
+        timer: When it does.
+    """
+
+    def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
+        self._host = host
+        frequency = number(element, "odom_publish_frequency")
+        self.timer = Timer(1 / frequency if frequency > 0 else 0.0, host.now)
+        topics = topics_of(host, robot, element)
+        self._publisher = host.publisher(robot, Odometry, topics["odometry"])
+        self._tf = host.publisher(robot, TFMessage, topics["tf"])
+        self._odometry = Odometry(child_frame_id=text(element, "child_frame_id", robot))
+        self._odometry.header.frame_id = text(element, "frame_id", robot)
+        self._transforms = TFMessage(
+            transforms=[TransformStamped(child_frame_id=self._odometry.child_frame_id)]
+        )
+
+    def publish(
+        self, place: tuple[float, float, float], speed: tuple[float, float], turning: float
+    ) -> None:
+        """Say the place (x, y: m, heading: rad), the speed ahead and to the left, and rad/s."""
+        wants_tf = self._tf.is_wanted
+        if not (wants_tf or self._publisher.is_wanted):
+            return
+        message = self._odometry
+        xyz, xyzw = (place[0], place[1], 0.0), of_yaw(place[2])
+        message.header.stamp = self._host.stamp()
+        set_pose(message.pose.pose, xyz, xyzw)
+        set_twist(message.twist.twist, (*speed, 0.0), (0.0, 0.0, turning))
+        self._publisher.publish(message)
+        if wants_tf:
+            transform = self._transforms.transforms[0]
+            transform.header = message.header
+            set_transform(transform.transform, xyz, xyzw)
+            self._tf.publish(self._transforms)
+
+
+def driven_joints(
+    host: Host, robot: RobotHandle, element: Element, *tags: str
+) -> list[list[Joint]]:
+    """Those of several tags, each of which must name one that the robot has; others are named.
+
+    Raises:
+        CannotWorkError: A tag names none that the robot has.
+    """
+    movable = {joint.name: joint for joint in robot.robot.movable_joints}
+    found: list[list[Joint]] = []
+    for tag in tags:
+        names = [one.text for one in element.find_all(tag)]
+        found.append([movable[name] for name in names if name in movable])
+        for name in names:
+            if name not in movable:
+                host.warn(
+                    f"`{robot.entity}`: the plugin `{element.attributes.get('filename', '')}` "
+                    f"names the joint `{name}`, but the robot has no joint `{name}` that can turn. "
+                    f"Write the names of its wheels' joints into <{tag}>."
+                )
+    missing = [f"<{tag}>" for tag, joints in zip(tags, found, strict=True) if not joints]
+    if missing:
+        raise CannotWorkError(f"it names no {' and no '.join(missing)} that the robot has.")
+    return found
+
+
+def length(element: Element, name: str) -> float:
+    """A length in meters, above 0.
+
+    Raises:
+        CannotWorkError: It is not.
+    """
+    value = number(element, name)
+    if not value > 0:
+        raise CannotWorkError(f"its <{name}> is {value:g}. Write a length in meters.")
+    return value
+
+
+def values_of(element: Element) -> dict[str, tuple[str, ...]]:
+    """The texts of its parameters."""
+    found: dict[str, tuple[str, ...]] = {}
+    for child in element.children:
+        found[child.tag] = (*found.get(child.tag, ()), child.text)
+    return found
+
+
+def limits(element: Element) -> Bounds:
+    """What speeds are allowed.
+
+    Raises:
+        CannotWorkError: One is not a number.
+    """
+    try:
+        return read_bounds(values_of(element))
+    except UnusableError as error:
+        raise CannotWorkError(f"{error.why.reason}. {error.why.hint}") from None

@@ -1,0 +1,74 @@
+"""The controllers that the simulator has, by their types."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from wsgen.live.nodes.simulator.ros2_control.controllers.base import Controller
+
+_HERE = __name__
+# Type -> module and class.
+TYPES: dict[str, tuple[str, str]] = {
+    "ackermann_steering_controller/AckermannSteeringController": (
+        "steering",
+        "AckermannSteeringController",
+    ),
+    "bicycle_steering_controller/BicycleSteeringController": (
+        "steering",
+        "BicycleSteeringController",
+    ),
+    "diff_drive_controller/DiffDriveController": ("diff_drive", "DiffDriveController"),
+    "effort_controllers/JointGroupEffortController": ("forward_command", "EffortController"),
+    "force_torque_sensor_broadcaster/ForceTorqueSensorBroadcaster": (
+        "force_torque_sensor_broadcaster",
+        "ForceTorqueSensorBroadcaster",
+    ),
+    "forward_command_controller/ForwardCommandController": (
+        "forward_command",
+        "ForwardCommandController",
+    ),
+    "forward_command_controller/MultiInterfaceForwardCommandController": (
+        "forward_command",
+        "MultiInterfaceController",
+    ),
+    "imu_sensor_broadcaster/IMUSensorBroadcaster": (
+        "imu_sensor_broadcaster",
+        "ImuSensorBroadcaster",
+    ),
+    "joint_state_broadcaster/JointStateBroadcaster": (
+        "joint_state_broadcaster",
+        "JointStateBroadcaster",
+    ),
+    "joint_trajectory_controller/JointTrajectoryController": (
+        "joint_trajectory",
+        "JointTrajectoryController",
+    ),
+    "mecanum_drive_controller/MecanumDriveController": (
+        "mecanum_drive",
+        "MecanumDriveController",
+    ),
+    "parallel_gripper_action_controller/GripperActionController": (
+        "gripper",
+        "ParallelGripperController",
+    ),
+    "effort_controllers/GripperActionController": ("gripper", "EffortGripperController"),
+    "position_controllers/GripperActionController": ("gripper", "PositionGripperController"),
+    "position_controllers/JointGroupPositionController": ("forward_command", "PositionController"),
+    "tricycle_controller/TricycleController": ("tricycle", "TricycleController"),
+    "tricycle_steering_controller/TricycleSteeringController": (
+        "steering",
+        "TricycleSteeringController",
+    ),
+    "velocity_controllers/JointGroupVelocityController": ("forward_command", "VelocityController"),
+}
+
+
+def controller_class(kind: str) -> type[Controller] | None:
+    """The class of a type of controllers; None of one that the simulator does not have."""
+    if kind not in TYPES:
+        return None
+    module, name = TYPES[kind]
+    found: type[Controller] = getattr(import_module(f"{_HERE}.{module}"), name)
+    return found

@@ -1,0 +1,24 @@
+"""The sensors that the simulator has, one module each.
+
+A kind is the attribute `type` of a `<sensor>`; the class follows its module, which is imported when
+a robot has such a sensor. It takes the `MountedSensor` where that of a plugin takes its element.
+"""
+
+from __future__ import annotations
+
+_HERE = "wsgen.live.nodes.simulator.sensors"
+
+SENSORS: dict[str, str] = {
+    **dict.fromkeys(("ray", "gpu_ray", "lidar", "gpu_lidar"), f"{_HERE}.lidar:Lidar"),
+    "imu": f"{_HERE}.imu:Imu",
+    "contact": f"{_HERE}.contact:ContactSensor",
+    "force_torque": f"{_HERE}.force_torque:ForceTorque",
+    **dict.fromkeys(("gps", "navsat"), f"{_HERE}.navsat:NavSat"),
+    "altimeter": f"{_HERE}.altimeter:Altimeter",
+    "air_pressure": f"{_HERE}.air_pressure:AirPressure",
+    "magnetometer": f"{_HERE}.magnetometer:Magnetometer",
+    **dict.fromkeys(
+        ("camera", "multicamera", "depth", "depth_camera", "rgbd", "rgbd_camera"),
+        f"{_HERE}.camera:Camera",
+    ),
+}

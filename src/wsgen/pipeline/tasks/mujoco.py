@@ -1,0 +1,22 @@
+"""The child process of a simulation in MuJoCo; importing it loads the engine."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wsgen.pipeline.tasks import session, simulation
+from wsgen.simulation.mujoco import MujocoEngine
+
+if TYPE_CHECKING:
+    from wsgen.isolation.channel import Endpoint
+    from wsgen.simulation.scene import Scene, SceneResult
+
+
+def simulate(scene: Scene) -> SceneResult:
+    """Simulate the scene in MuJoCo."""
+    return simulation.simulate(scene, MujocoEngine)
+
+
+def serve(scene: Scene, remembered: float, endpoint: Endpoint) -> None:
+    """Do with the scene what commands say, in MuJoCo."""
+    session.serve(scene, remembered, endpoint, MujocoEngine)

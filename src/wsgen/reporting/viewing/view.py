@@ -1,0 +1,219 @@
+"""Show the robots of a package or file, and show them again when one of their files changes."""
+
+from __future__ import annotations
+
+import errno
+import os
+import socket
+import time
+from contextlib import ExitStack
+from typing import TYPE_CHECKING, Protocol
+
+from wsgen.diagnostics import has_errors
+from wsgen.errors import NotFoundError, RequestError, WsgenError
+from wsgen.isolation.parent import make_scratch
+from wsgen.pipeline.file_validation import UNUSABLE_FILE
+from wsgen.rendering.surfaces import forget_surfaces
+from wsgen.reporting.viewing.drawing import draw
+from wsgen.reporting.viewing.texts import diagnostics_list, links_table, summary
+from wsgen.reporting.viewing.viewer_library import INSTALL, LIBRARY, is_viewer_installed
+from wsgen.reporting.viewing.watch import Watcher
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.pipeline.describe import DescribedScene
+    from wsgen.reporting.viewing.drawing import DrawnRobot
+
+
+LOOK_EVERY = 0.5  # s; between two looks at the files
+QUIET_FOR = 0.2  # s without a change: an editor or a build has written all that it writes
+MOST_LOOKS = 50  # at files that do not stop changing
+LOOPBACK = "127.0.0.1"
+DEFAULT_PORT = 8080
+PORTS = 100  # that are tried from there
+
+
+def check_viewer() -> None:
+    """Check that the page can be served.
+
+    Raises:
+        NotFoundError: The library is not installed.
+    """
+    if not is_viewer_installed():
+        raise NotFoundError(
+            f"{LIBRARY}, which shows robots in a browser, is not installed.",
+            hint=f"Install it: {INSTALL}",
+        )
+
+
+def choose_port(host: str, port: int | None) -> int:
+    """The port to listen on: the one that is asked for, or the first free one.
+
+    Raises:
+        RequestError: It is taken, or there is no such address on this machine.
+    """
+    if port is not None:
+        _try_port(host, port)
+        return port
+    for number in range(DEFAULT_PORT, DEFAULT_PORT + PORTS):
+        try:
+            _try_port(host, number)
+        except PortTakenError:
+            continue
+        return number
+    raise RequestError(
+        f"All ports from {DEFAULT_PORT} to {DEFAULT_PORT + PORTS - 1} are taken.",
+        hint="Choose another one: --port N",
+    )
+
+
+class PortTakenError(RequestError):
+    """Something else listens there."""
+
+
+def _try_port(host: str, port: int) -> None:
+    try:
+        family, kind, protocol, _, address = socket.getaddrinfo(
+            host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+        )[0]
+        with socket.socket(family, kind, protocol) as trial:
+            if os.name == "posix":  # as servers do: a connection that has ended keeps no port
+                trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            trial.bind(address)
+    except OSError as error:
+        raise not_listening(host, port, error) from error
+
+
+def not_listening(host: str, port: int, error: OSError) -> RequestError:
+    """Why a page cannot be served there."""
+    if error.errno in {errno.EADDRINUSE, errno.EACCES}:
+        why = "is taken" if error.errno == errno.EADDRINUSE else "is reserved for the system"
+        return PortTakenError(
+            f"The port {port} of {host} {why}.",
+            hint="Choose another one: --port N; without --port, a free one is chosen.",
+        )
+    return RequestError(
+        f"wsgen cannot listen on {host}: {error.strerror or error}.",
+        hint="Give an address of this machine: --host 127.0.0.1, or 0.0.0.0 for all.",
+    )
+
+
+class Viewer(Protocol):
+    """What shows robots: `wsgen.reporting.viewing.page.JointPage`."""
+
+    def show(self, robots: Sequence[DrawnRobot], *, links: str) -> None:
+        """Show robots instead of those before."""
+
+    def report(self, *, summary: str, diagnostics: str) -> None:
+        """Show what is reported."""
+
+
+class View:
+    """The robots that `read` reads, on a page; read again when one of their files changes.
+
+    `read` is given a folder for what it reads from meshes, which is there as long as the robots are
+    shown: the page reads from it what it is asked to show.
+    """
+
+    def __init__(self, read: Callable[[Path], DescribedScene]) -> None:
+        self._read = read
+        self._watcher = Watcher()
+        self._late: list[str] = []  # paths that changed while they were read
+        self._robots: list[DrawnRobot] = []
+        self._shown: DescribedScene | None = None
+        self._folder = ExitStack()  # of what is shown
+
+    def close(self) -> None:
+        """Remove the folder."""
+        self._folder.close()
+
+    def open(self, viewer: Viewer | None = None) -> DescribedScene:
+        """Read the robots; show them if there is a viewer, and what is reported of them.
+
+        Where an error in the files has taken a robot away, all stays as it was shown before.
+
+        Raises:
+            WsgenError: As `read`.
+        """
+        with ExitStack() as stack:
+            found = self._read(stack.enter_context(make_scratch()))
+            self._late = self._watcher.changed()
+            self._watcher.watch(found.files)
+            is_stale = self._lacks_robots(found)
+            if not is_stale:
+                forget_surfaces()
+                self._robots, self._shown = draw(found), found
+                if viewer is not None:
+                    viewer.show(self._robots, links=links_table(self._robots))
+                self._folder, before = stack.pop_all(), self._folder
+                before.close()
+        if viewer is not None:
+            self._report(viewer, found.diagnostics, is_stale=is_stale)
+        return found
+
+    def show(self, viewer: Viewer) -> None:
+        """Show what has been read."""
+        viewer.show(self._robots, links=links_table(self._robots))
+        if self._shown is not None:
+            self._report(viewer, self._shown.diagnostics, is_stale=False)
+
+    def _lacks_robots(self, found: DescribedScene) -> bool:
+        """Whether errors have taken away a robot that is shown, or leave none to show."""
+        if not found.can_be_shown:
+            return True
+        entities = {robot.entity for robot in found.robots if robot.readable is not None}
+        before = {robot.entity for robot in self._robots if not robot.is_static_model}
+        return has_errors(found.diagnostics) and not before <= entities
+
+    def _report(self, viewer: Viewer, diagnostics: Sequence[Diagnostic], *, is_stale: bool) -> None:
+        shown = self._shown
+        viewer.report(
+            summary=summary(
+                shown.name if shown else "",
+                shown.launch_file if shown else None,
+                self._robots,
+                diagnostics,
+                is_stale=is_stale,
+            ),
+            diagnostics=diagnostics_list(diagnostics),
+        )
+
+    def follow(
+        self,
+        viewer: Viewer,
+        *,
+        on_change: Callable[[Sequence[str], DescribedScene | WsgenError], None],
+        is_over: Callable[[], bool] = lambda: False,
+    ) -> None:
+        """Read and show the robots again at each change of a file, until it is over.
+
+        `on_change` gets the paths that have changed, and what was read then. What cannot be read
+        leaves on the page what is there, and what is reported about it.
+        """
+        while not is_over():
+            time.sleep(LOOK_EVERY)
+            changed = [*self._late, *self._watcher.changed()]
+            if not changed:
+                continue
+            changed += self._wait_for_quiet()
+            found: DescribedScene | WsgenError
+            try:
+                found = self.open(viewer)
+            except WsgenError as error:  # the file is gone, for example, and may come back
+                found, self._late = error, []
+                problem = UNUSABLE_FILE.at(None, message=error.message, hint=error.hint)
+                self._report(viewer, [problem], is_stale=True)
+            on_change(list(dict.fromkeys(changed)), found)
+
+    def _wait_for_quiet(self) -> list[str]:
+        changed = []
+        for _ in range(MOST_LOOKS):
+            time.sleep(QUIET_FOR)
+            more = self._watcher.changed()
+            if not more:
+                break
+            changed += more
+        return changed
