@@ -19,7 +19,7 @@ from wsgen.errors import NotFoundError
 from wsgen.isolation.stale import PREFIX, held
 from wsgen.live.nodes.silence import Run
 from wsgen.live.program import find_command
-from wsgen.live.ros2_command import write_ros2
+from wsgen.live.resolve import write_ros2
 from wsgen.live.run import note_end, note_start
 from wsgen.ros.environment import RosEnvironment
 from wsgen.simulation.live_runs import (

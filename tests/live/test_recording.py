@@ -17,7 +17,7 @@ from wsgen.cli.words import unwritten
 from wsgen.errors import SessionDiedError
 from wsgen.events import Event, StepEnded, StepProgressed, StepStarted
 from wsgen.isolation.codec import encode
-from wsgen.live import video
+from wsgen.live import run as video
 from wsgen.live.recording import Recorded, recording_topics
 from wsgen.live.run import drawing
 from wsgen.model.robot import Box, Collision, Link, Robot

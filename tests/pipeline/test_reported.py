@@ -15,9 +15,8 @@ from wsgen.checks.rules.robots import MASSLESS_ROOT, NO_VISUAL
 from wsgen.descriptions.urdf.reader import UNKNOWN_URDF_VERSION
 from wsgen.errors import NotFoundError, NotReadableError, RequestError
 from wsgen.pipeline.baseline import divide_known, load_baseline, render_baseline
-from wsgen.pipeline.changed_files import about_changes, changed_since
 from wsgen.pipeline.check import CheckOutcome
-from wsgen.pipeline.reported import Filters, choose, filter_outcome
+from wsgen.pipeline.reported import Filters, about_changes, changed_since, choose, filter_outcome
 
 ROBOT = Path("/p/r.urdf")
 INVISIBLE = NO_VISUAL.at(ROBOT, 3, message="invisible")

@@ -28,8 +28,7 @@ from sweeping.tables import (
 from wsgen.errors import NotFoundError, RequestError
 from wsgen.model.sweep import Column
 from wsgen.reporting import plotly_library
-from wsgen.reporting.sweep_page import render_sweep_page
-from wsgen.reporting.sweep_plot import check_plot, render_plot
+from wsgen.reporting.sweep_plot import check_plot, render_plot, render_sweep_page
 from wsgen.sweeping.chart import Chart, make_chart
 from wsgen.sweeping.plots import draw_png
 from wsgen.sweeping.summary import Summary, summarize

@@ -2,7 +2,7 @@
 
 import pytest
 
-from wsgen.packages.workspace.conditions import holds
+from wsgen.packages.workspace.manifest import holds
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -9,7 +10,6 @@ from typing import TYPE_CHECKING
 
 from wsgen.building.colcon import STEP, Finished, PackageResult, Progress, run_colcon
 from wsgen.building.installed import NEW_CACHE, check_installed, find_relocated
-from wsgen.building.messages import MessageSupport, message_support
 from wsgen.building.request import (
     block_extensions,
     blocked_extensions,
@@ -36,18 +36,71 @@ from wsgen.building.without_ros import (
     without_ros_variables,
 )
 from wsgen.diagnostics import Diagnostic, Rule, Severity, has_errors
-from wsgen.errors import NotFoundError
+from wsgen.errors import NotFoundError, WsgenError
 from wsgen.events import Listener, OutputLine, StepEnded, StepStarted, post
+from wsgen.packages.build_files.cmake_text import read_calls
 from wsgen.packages.workspace.layout import check_workspace_path, take_inventory
 from wsgen.packages.workspace.package_xml import check_package_xml, refusals_of
 from wsgen.text.suggestions import some_of
 from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from wsgen.building.toolchain import Toolchain
+    from wsgen.events import Listener
     from wsgen.packages.workspace.layout import Inventory, PackageFolder, Workspace
+
+
+GENERATE = "rosidl_generate_interfaces"
+VARIABLE = "WSGEN_ROS"  # which cmake/interfaces.cmake reads
+
+
+@dataclass(frozen=True, kw_only=True)
+class MessageSupport:
+    """What generates messages, or why nothing does."""
+
+    variables: Mapping[str, str]  # for CMake
+    arguments: tuple[str, ...] = ()  # of CMake: other ones make colcon configure again
+    why_not: str = ""  # what to do to have messages
+
+
+def message_support(
+    packages: Iterable[PackageFolder], environment: Mapping[str, str], listener: Listener | None
+) -> MessageSupport:
+    """Bring what generates messages, if a package has some and wsgen[ros] is installed.
+
+    Args:
+        packages: of the workspace.
+        environment: the user's variables.
+        listener: receives progress.
+    """
+    called: set[str] = set()
+    has_messages = False
+    for package in packages:
+        if package.build_type == "ament_cmake":
+            calls = read_calls(package.path / "CMakeLists.txt")
+            if any(call.command == GENERATE for call in calls):
+                has_messages = True
+                called.update(word for call in calls for word in call.arguments)
+    if not has_messages:
+        return MessageSupport(variables={VARIABLE: ""})
+    from wsgen.ros.environment.environment import find_compiler, open_private  # noqa: PLC0415  rare
+
+    def listen(event: object) -> None:
+        if listener is not None:
+            listener(event)  # type: ignore[arg-type]  # whatever events are
+
+    try:
+        ros = open_private(environment, messages=called, listener=listen)
+        find_compiler(environment, listen)
+    except WsgenError as error:
+        return MessageSupport(
+            variables={VARIABLE: ""}, why_not=f"{error.message} {error.hint}".replace("\n", " ")
+        )
+    *messages, prefix = map(str, ros.prefixes)
+    value = os.pathsep.join([prefix, *messages])
+    return MessageSupport(variables={VARIABLE: value}, arguments=(f"-D{VARIABLE}={prefix}",))
 
 
 DEPRECATED_MINIMUM = Rule(

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import logging
 import os
+import shlex
 import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wsgen.errors import EXIT_MISSING
 from wsgen.launching import commands, known_packages
 from wsgen.launching.package_lookup import NOT_COMPILED
 from wsgen.live import launch_node
 from wsgen.live.journal import OTHER, SIMULATOR, SPAWNER, STANDARD
 from wsgen.live.programs import SPAWNERS, BuiltIn, LeftOut, find_replacement
-from wsgen.live.ros2_command import write_ros2
 from wsgen.ros.environment.environment import DISCOVERY_VARIABLES
 from wsgen.ros.environment.processes import module_command
 from wsgen.simulation.live_runs import DOMAIN
@@ -28,6 +29,31 @@ if TYPE_CHECKING:
     from wsgen.live.programs import Replaced
     from wsgen.live.request import ServiceRequest
     from wsgen.model.plan import Process
+
+
+FOLDER = "bin"  # in the folder of the run
+COMMANDS = ("run", "topic", "node")  # that wsgen has, too
+
+
+def write_ros2(live_folder: Path, python: Path) -> Path:
+    """Write it; gives the folder that belongs on the PATH."""
+    folder = live_folder / FOLDER
+    folder.mkdir()
+    program = folder / "ros2"
+    command = shlex.join(module_command(python, "wsgen"))
+    program.write_text(
+        f"""#!/bin/sh
+case "$1" in
+  {"|".join(COMMANDS)}) exec {command} "$@" ;;
+esac
+echo "ros2 $1 is not installed: wsgen has {", ".join(COMMANDS)}. Source a ROS that has it." >&2
+exit {EXIT_MISSING}
+""",
+        encoding="utf-8",
+    )
+    program.chmod(0o755)
+    return folder
+
 
 MIDDLEWARE = "RMW_IMPLEMENTATION"  # of which the ROS of PyPI has one
 FORKED = "wsgen.live.nodes."  # modules that can be

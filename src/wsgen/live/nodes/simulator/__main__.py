@@ -7,6 +7,7 @@ import ctypes
 import importlib
 import json
 import os
+import socket
 import sys
 import time
 from dataclasses import replace
@@ -15,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wsgen.errors import EXIT_BUG
-from wsgen.isolation.codec import decode
+from wsgen.isolation.codec import decode, encode
 from wsgen.live.nodes.bridge import split
 from wsgen.live.nodes.signals import ignore_ends, raise_when_ended
 from wsgen.live.nodes.simulator.commands import CommandServer
@@ -23,17 +24,67 @@ from wsgen.live.nodes.simulator.host import Due
 from wsgen.live.nodes.simulator.names import BadNameError
 from wsgen.live.nodes.simulator.pace import Pace
 from wsgen.live.nodes.simulator.pose_logger import PoseLogger
-from wsgen.live.nodes.simulator.preparing import Preparing
 from wsgen.live.nodes.simulator.ros import Ros
 from wsgen.live.nodes.simulator.services import offer_services
-from wsgen.live.nodes.simulator.simulation import LiveSimulation
-from wsgen.simulation.live_scene import FOLDER_VARIABLE, SCENE_FILE, UNHEARD_FILE, LiveScene
+from wsgen.live.nodes.simulator.simulation import LiveSimulation, RefusedError
+from wsgen.simulation.live_scene import (
+    FOLDER_VARIABLE,
+    SCENE_FILE,
+    UNHEARD_FILE,
+    LiveScene,
+    PreparedEntity,
+    preparer_path,
+    short_name,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from wsgen.model.world import World
     from wsgen.simulation.engine import Engine
+    from wsgen.simulation.live_scene import NewEntity
+
+
+SECONDS = 120.0  # wall-clock, for large meshes on a busy machine
+
+
+class Preparing:
+    """Asks for entities; threads may do so at a time."""
+
+    def __init__(self, folder: Path) -> None:
+        self._path = preparer_path(folder)
+
+    def __call__(self, new: NewEntity) -> PreparedEntity:
+        """What an engine takes; it has a robot.
+
+        Raises:
+            RefusedError: The description has errors, or nobody answers.
+        """
+        made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        made.settimeout(SECONDS)
+        try:
+            with made, made.makefile("rwb") as stream:
+                with short_name(self._path) as name:
+                    made.connect(name)
+                stream.write(encode(new).encode() + b"\n")
+                stream.flush()
+                line = stream.readline()
+        except OSError as error:
+            raise _unanswered(new) from error
+        if not line:
+            raise _unanswered(new)
+        prepared = decode(json.loads(line), PreparedEntity)
+        if prepared.robot is None:
+            raise RefusedError(prepared.problem, prepared.hint)
+        return prepared
+
+
+def _unanswered(new: NewEntity) -> RefusedError:
+    return RefusedError(
+        f"`{new.entity}` cannot be prepared: what started the run does not answer.",
+        "Spawn it in a launch that `wsgen launch --run` plays.",
+    )
+
 
 # What starts it says: with the flag for a pause; without Gazebo Sim's to run.
 PAUSED, WAITS = "--paused", "--waits-for-play"
