@@ -1,7 +1,7 @@
 """`wsgen sweep --plot FILE`: a picture or a page, by the suffix of the file.
 
-The page is one file that loads nothing, the same for the same sweep: its script draws the chart from
-the numbers that a picture is drawn from (`sweeping/chart.py`).
+The page is one file that loads nothing, the same for the same sweep: its script draws the chart
+from the numbers that a picture is drawn from (`sweeping/chart.py`).
 """
 
 from __future__ import annotations
