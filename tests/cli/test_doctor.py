@@ -1,10 +1,12 @@
 import functools
 import json
+import os
+import shutil
 from pathlib import Path
 
 import pytest
 
-from wsgen.cli import run
+from wsgen.cli import run, terminal
 from wsgen.doctor import machine
 from wsgen.doctor.report import DoctorReport
 from wsgen.model.target import TARGETS, Target
@@ -39,6 +41,23 @@ def test_this_machine(capsys: pytest.CaptureFixture[str]) -> None:
     ) < lines.index("Requirements of ROS: ros2 launch")
     assert sum("apt install ros-iron-ros-core" in line for line in lines) >= 1
     assert lines[-1] == "wsgen has all it needs."
+
+
+@pytest.mark.usefixtures("loaded_once")
+def test_a_narrow_terminal(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(terminal, "_is_terminal", lambda: True)
+    size = os.terminal_size((60, 24))
+    monkeypatch.setattr(shutil, "get_terminal_size", lambda *_, **__: size)
+    assert run(["doctor"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    # Commands are not broken, as they are to be copied.
+    broken = [line for line in lines if "try: " not in line and "apt install" not in line]
+    assert max(map(len, broken)) <= 60
+    # Both tables have the same layout: what was found is in the next line, or it is beside.
+    marked = [line for line in lines if line.startswith(("  ok  ", "  -   ", "  error"))]
+    assert len({len(line.rstrip()) > 30 for line in marked if "colcon" in line}) == 1
 
 
 @pytest.mark.usefixtures("loaded_once")

@@ -244,6 +244,7 @@ def test_an_interrupt_ends_with_130(tmp_path: Path) -> None:
             "wsgen validate --help",
         ),
         (["validate", "--verbos"], "wsgen validate has no option --verbos.", "`--verbose`?"),
+        (["validate", "--set", "a=1"], "has no option --set.", "wsgen validate [OPTIONS]"),
         (["launch"], "Missing argument", "wsgen launch [OPTIONS]"),
         (["topic", "eco"], "'eco' is not a command of wsgen topic.", "wsgen topic echo"),
         (["help", "vew"], "'vew' is not a command of wsgen.", "wsgen view"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -262,6 +263,42 @@ def test_a_process_that_the_launch_file_starts_finds_packages(space: InstallSpac
     )
     plan = space.play("ExecuteProcess(cmd=[found])", before=before)
     assert commands(plan) == [(str(space.prefix),)]
+
+
+@pytest.mark.parametrize(
+    "run",
+    [
+        "os.popen('ros2 pkg prefix {}').read().strip()",
+        "os.popen('ros2 pkg prefix --share {}').read().split('/share/')[0]",
+        "subprocess.check_output(['ros2', 'pkg', 'prefix', '{}'], text=True).strip()",
+        "subprocess.getoutput('ros2 pkg prefix {}')",
+    ],
+)
+def test_what_ros2_pkg_prefix_prints(
+    space: InstallSpace, monkeypatch: pytest.MonkeyPatch, run: str
+) -> None:
+    monkeypatch.setenv("PATH", os.defpath)  # where no ROS is
+    before = f"import os, subprocess\nfound = {run.format('my_robot')}"
+    plan = space.play("ExecuteProcess(cmd=[found])", before=before)
+    assert commands(plan) == [(str(space.prefix),)]
+    assert not plan.diagnostics
+    # Of a package that is not here it is what get_package_prefix() gives.
+    found, looked_up = (
+        space.play("ExecuteProcess(cmd=[found])", before=f"import os, subprocess\nfound = {text}")
+        for text in (run.format("nav2_bringup"), "get_package_prefix('nav2_bringup')")
+    )
+    assert commands(found) == commands(looked_up)
+    assert [one.code for one in found.diagnostics] == [one.code for one in looked_up.diagnostics]
+
+
+def test_ros2_pkg_prefix_of_a_package_that_nobody_has(space: InstallSpace) -> None:
+    before = "import os\nfound = os.popen('ros2 pkg prefix no_such_robot').read().strip()"
+    (found,) = space.play("ExecuteProcess(cmd=['x', found])", before=before).diagnostics
+    assert found.code == "LCH007"
+    assert found.line is not None  # of the launch file
+    assert found.file is not None
+    assert found.file.name == "test.launch.py"
+    assert "no_such_robot" in found.message
 
 
 def test_no_bytecode_is_written_beside_the_launch_file(space: InstallSpace) -> None:

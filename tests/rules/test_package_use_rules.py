@@ -150,6 +150,13 @@ def test_a_misspelled_package_of_the_build(name: str, meant: str) -> None:
     assert found.severity is Severity.ERROR  # CMake stops there
 
 
+def test_a_name_that_package_xml_misspells_alike() -> None:
+    (found,) = check_build(required("geometry_msg"), depend="geometry_msg")
+    assert (found.code, found.hint) == ("PKG088", "Did you mean `geometry_msgs`?")
+    # It may be a package that is not here, and is only nearly the name of another one here.
+    assert check_build(required("my_robt"), depend="my_robt") == []
+
+
 @pytest.mark.parametrize("name", ["yaml-cpp", "Eigen3", "sophus", "urdfdom", "my_libs", "gz-sim8"])
 def test_packages_that_are_none_of_ros(name: str) -> None:
     assert check_build(required(name), depend="rclcpp") == []

@@ -147,6 +147,13 @@ def test_what_a_plugin_says_that_is_not_loaded_is_not_checked() -> None:
     assert found.code == "ROB101"
 
 
+def test_a_plugin_of_the_other_simulator_may_be_called_anything() -> None:
+    system = plugin("gz-sim-diff-drive-system", WHEELS, "my_drive")
+    (found,) = check(system, simulator="classic")
+    assert found.code == "ROB101"
+    assert "ROB100" in {one.code for one in check(system, simulator="gz")}
+
+
 def test_joints_that_a_plugin_does_not_find() -> None:
     for filename in (DRIVE, CLASSIC_DRIVE):
         (found,) = check(plugin(filename, {**WHEELS, "left_joint": ("wheel_left_joint",)}))

@@ -41,6 +41,16 @@ def test_broken_file_is_no_file(cache: Path, content: bytes) -> None:
     assert CodeFile("3").read() == {}
 
 
+def test_a_fifo_in_the_place_of_the_file(cache: Path) -> None:
+    CodeFile("3").write(ENTRIES)
+    file = only_file(cache)
+    file.unlink()
+    os.mkfifo(file)
+    assert CodeFile("3").read() == {}  # and nothing waits for who writes into it
+    CodeFile("3").write(ENTRIES)
+    assert CodeFile("3").read() == ENTRIES
+
+
 def test_cut_file_is_no_file(cache: Path) -> None:
     CodeFile("3").write(ENTRIES)
     file = only_file(cache)

@@ -100,6 +100,38 @@ def test_nearest_name_is_offered() -> None:
     assert found.hint == "Did you mean `base_link`?"
 
 
+@pytest.mark.parametrize(
+    ("child", "hint"),
+    [
+        ("", 'Add <child link="LINK"/>.'),
+        ('<child link=""/>', 'Write <child link="LINK"/>.'),
+        ("<child>b</child>", 'Write <child link="LINK"/>.'),
+        ('<child link="b "/>', "Did you mean `b`?"),
+    ],
+)
+def test_a_child_that_is_not_named(child: str, hint: str) -> None:
+    connected = joint("j", "a", "b").replace('<child link="b"/>', child)
+    found = read_urdf(robot(link("a") + link("b") + connected), file=None)[1]
+    assert hint in {one.hint for one in found}
+
+
+@pytest.mark.parametrize(
+    ("element", "declaration"),
+    [
+        ("<gz:x/>", 'xmlns:gz="http://gazebosim.org/schema"'),
+        ('<a xacro:x="1"/>', 'xmlns:xacro="http://www.ros.org/wiki/xacro"'),
+        ("<own:x/>", 'xmlns:own="own"'),
+    ],
+)
+def test_a_prefix_that_nothing_declares(element: str, declaration: str) -> None:
+    text = robot(link("a") + f"<gazebo>{element}</gazebo>")
+    (found,) = [one for one in read_urdf(text, file=None)[1] if one.code == "ROB001"]
+    assert "nothing declares the prefix" in found.message
+    assert found.hint == f"Add {declaration} to the root element."
+    declared = text.replace("<robot ", f"<robot {declaration} ", 1)
+    assert not [one for one in read_urdf(declared, file=None)[1] if one.code == "ROB001"]
+
+
 def test_document_beyond_reason_is_refused() -> None:
     text = robot("<!--" + " " * TEXT_LIMIT + "-->" + link("a"))
     assert [found.code for found in read_urdf(text, file=None)[1]] == ["ROB002"]

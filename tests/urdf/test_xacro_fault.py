@@ -121,7 +121,7 @@ def model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
             "line 4 uses the prefix `xacro:`",
             'Write line 2 as <robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="r">',
         ),
-        ("<visual>", '<visual a:b="1">', 2, "line 21 uses the prefix `a:`", 'xmlns:a="ADDRESS"'),
+        ("<visual>", '<visual a:b="1">', 2, "line 21 uses the prefix `a:`", 'xmlns:a="a"'),
         ("<xacro:include", "<xacro:inclde", 7, "xacro:inclde", "mean `include`?"),
         ("<xacro:property", "<xacro:propery", 5, "xacro:propery", "mean `property`?"),
         ("filename", "filname", 7, "does not know `filname`", "mean `filename`?"),

@@ -8,7 +8,13 @@ import pytest
 
 from build.building import PACKAGE_XML
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.packages.workspace.manifest import RUN_TAGS, Dependency, Manifest, read_manifest
+from wsgen.packages.workspace.manifest import (
+    RUN_TAGS,
+    SIZE_LIMIT,
+    Dependency,
+    Manifest,
+    read_manifest,
+)
 from wsgen.packages.workspace.package_xml import check_package_xml, is_plain
 
 
@@ -278,3 +284,9 @@ def test_a_name_that_leads_elsewhere(tmp_path: Path, name: str) -> None:
     found = read_manifest(file)
     assert isinstance(found, Diagnostic)
     assert (found.code, found.line) == ("PKG004", 2)
+
+
+def test_a_manifest_that_is_too_large(tmp_path: Path) -> None:
+    found = read_manifest(write(tmp_path, PACKAGE_XML + " " * SIZE_LIMIT))
+    assert isinstance(found, Diagnostic)
+    assert (found.code, found.hint) == ("PKG002", "Remove what is not needed in it.")

@@ -339,13 +339,16 @@ def _print_usage_error(
     if error.message.startswith("Usage: "):  # click gives the help to whom gives no words
         error.show()
         return
-    from wsgen.text.suggestions import did_you_mean
+    from wsgen.text.suggestions import did_you_mean, nearest
 
     message, near = error.format_message(), None
     if isinstance(error, click.NoSuchOption):
-        message, near = f"{ctx.command_path} has no option {error.option_name}", error.possibilities
+        message = f"{ctx.command_path} has no option {error.option_name}"
+        options = {option.lstrip("-"): option for option in error.possibilities or ()}
+        near = nearest(error.option_name.lstrip("-"), options)  # dashes are not a similarity
+        near = near and options[near]
     usage = " ".join(ctx.get_usage().partition(" ")[2].split())
-    hint = did_you_mean(near[0]) if near else f"{usage} (options: {ctx.command_path} --help)"
+    hint = did_you_mean(near) if near else f"{usage} (options: {ctx.command_path} --help)"
     # click has a question at the end of some: did you mean another command?
     for kind, one in (("float", "a number"), ("integer", "an integer")):
         message = re.sub(rf"is not a valid {kind}( range)?\b", f"is not {one}", message)

@@ -84,27 +84,28 @@ def _recorded() -> str | None:
 
 def _render(report: DoctorReport, *, quiet: bool) -> Iterator[str]:
     """The lines that a person reads; with `quiet`, only what is missing."""
+    from wsgen.cli.terminal import fit_lines
     from wsgen.model.installation import image, in_container
 
     target = report.target
     yield click.style(f"{target.ros} with {target.gazebo}, on Ubuntu {target.ubuntu}", bold=True)
-    for note in report.notes:
-        yield f"note: {note}"
+    yield from fit_lines(f"note: {note}" for note in report.notes)
     for title, requirements in (
         ("Requirements of wsgen: wsgen new, wsgen build, wsgen validate", report.wsgen),
         ("Requirements of ROS: ros2 launch", report.ros),
     ):
         yield ""
-        yield click.style(title, bold=True)
+        yield from fit_lines([click.style(title, bold=True)])
         shown = [found for found in requirements if not (quiet and found.is_met)]
-        yield from _table(shown, quiet=quiet)
+        yield from _table(shown, [*report.wsgen, *report.ros], quiet=quiet)
     yield ""
     installed = "To install the packages of steps 1 and 2 of the tutorial, except the editor"
     if report.takes_apt:
-        yield f"{installed}:"
+        yield from fit_lines([f"{installed}:"])
         yield f"  {report.apt}"
     else:
-        yield f"{installed}, in a container of {image(target)} (not on this machine):"
+        where = f"in a container of {image(target)} (not on this machine)"
+        yield from fit_lines([f"{installed}, {where}:"])
         yield f"  {in_container(report.apt)}"
     yield ""
     result = (
@@ -113,14 +114,22 @@ def _render(report: DoctorReport, *, quiet: bool) -> Iterator[str]:
     yield click.style(result, bold=True)
 
 
-def _table(requirements: Sequence[Requirement], *, quiet: bool) -> list[str]:
-    """A row for each, then the commands that fix what is missing, unwrapped, to be copied."""
+def _table(
+    requirements: Sequence[Requirement], of_all: Sequence[Requirement], *, quiet: bool
+) -> list[str]:
+    """A row for each, then the commands that fix what is missing, unwrapped, to be copied.
+
+    The requirements of all tables decide the layout, so that it is the same.
+    """
     from wsgen.cli.terminal import draw_table
 
     label = click.style("try:", fg="green")
-    rows = [(_mark(found), found.name, found.text) for found in requirements]
+    rows, alike = (
+        [(_mark(found), found.name, found.text) for found in some]
+        for some in (requirements, of_all)
+    )
     fixes = [f"  {found.name}: {label} {found.fix}" for found in requirements if found.fix]
-    return (draw_table(rows, quiet=quiet) or ["  Nothing is missing."]) + fixes
+    return (draw_table(rows, alike=alike, quiet=quiet) or ["  Nothing is missing."]) + fixes
 
 
 def _mark(found: Requirement) -> str:

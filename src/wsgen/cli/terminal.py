@@ -51,6 +51,7 @@ def draw_table(
     *,
     headings: Sequence[str] = (),
     wrapped: Sequence[int] = (-1,),
+    alike: Sequence[Sequence[str]] = (),
     indent: str = INDENT,
     quiet: bool = False,
 ) -> list[str]:
@@ -58,7 +59,8 @@ def draw_table(
 
     Where that would leave too little for them, or break a word, what would be in a wrapped column
     is below the rest of its row; of a table with headings each cell is beside its heading. No cell
-    is cut off. With `quiet`, a line a row without headings and alignment, which takes no library.
+    is cut off. Tables without headings have the same layout if each gets the rows of all as
+    `alike`. With `quiet`, a line a row without headings and alignment, which takes no library.
     """
     if not rows:
         return []
@@ -78,17 +80,23 @@ def draw_table(
         padding=(0, gap - 1 if headings else gap, 0, 0),  # the box has a column between two
     )
     head = [Text.from_ansi(click.style(heading, bold=True)) for heading in headings]
-    body = [[Text.from_ansi(cell.replace("\n", " ")) for cell in row] for row in rows]
+    body, others = (
+        [[Text.from_ansi(cell.replace("\n", " ")) for cell in row] for row in some]
+        for some in (rows, alike)
+    )
     count, needed, available = len(rows[0]), -gap, _width() - len(indent)
     broken = {index % count for index in wrapped}
     for column in range(count):
-        cells = [row[column] for row in [*([head] if head else []), *body]]
+        cells = [row[column] for row in [*([head] if head else []), *body, *others]]
         width = max(cell.cell_len for cell in cells)
         if column in broken:
             word = max(len(word) for cell in cells for word in cell.plain.split() or [""])
             width = min(width, max(word, NARROWEST))
         needed += gap + width
-        table.add_column(head[column] if head else "", no_wrap=column not in broken)
+        least = max(cell.cell_len for cell in cells) if others and column not in broken else None
+        table.add_column(
+            head[column] if head else "", no_wrap=column not in broken, min_width=least
+        )
     for row in body:
         table.add_row(*row)
     if needed > available:

@@ -51,7 +51,8 @@ class CodeFile:
         """Read the file; nothing if it is missing, broken or not trusted."""
         try:
             with _open_folder() as folder:
-                descriptor = os.open(self._name, os.O_RDONLY | os.O_NOFOLLOW, dir_fd=folder)
+                flags = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK  # a FIFO is empty
+                descriptor = os.open(self._name, flags, dir_fd=folder)
                 with open(descriptor, "rb") as file:  # noqa: PTH123  a descriptor, not a path
                     _trust(descriptor)
                     entries = marshal.loads(file.read())  # noqa: S302  trusted, see above

@@ -16,6 +16,9 @@ from wsgen.text.values import lazy_pattern
 if TYPE_CHECKING:
     from typing import Any
 
+# Prefix -> what files of ROS and Gazebo declare it to be. Others may be anything.
+NAMESPACES = {"gz": "http://gazebosim.org/schema", "xacro": "http://www.ros.org/wiki/xacro"}
+
 ERRORS = expat.errors
 ENCODINGS = frozenset({ERRORS.XML_ERROR_UNKNOWN_ENCODING, ERRORS.XML_ERROR_INCORRECT_ENCODING})
 DECLARED = lazy_pattern(rb"[^<]*<\?xml[^<>]*?\sencoding\s*=\s*[\"']([^\"']*)")

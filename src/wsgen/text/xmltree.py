@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from lxml import etree
 
 from wsgen.text.values import dataclass, lazy_pattern
-from wsgen.text.xmlsyntax import find_excess, find_mistake
+from wsgen.text.xmlsyntax import NAMESPACES, find_excess, find_mistake
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -59,6 +59,14 @@ def parse(content: str | bytes) -> Element | Malformed:
             return etree.fromstring(data, _parser_of(encoding, threading.get_ident()))
         except etree.XMLSyntaxError as error:
             mistake = find_mistake(data, encoding)
+            if mistake is None and error.msg.startswith("Namespace prefix "):
+                prefix = error.msg.split()[2]
+                return Malformed(
+                    message=f"nothing declares the prefix `{prefix}:`",
+                    line=error.lineno or 1,
+                    hint=f'Add xmlns:{prefix}="{NAMESPACES.get(prefix, prefix)}" to the root '
+                    "element.",
+                )
             if mistake is None:
                 return Malformed(message=error.msg or "not well-formed", line=error.lineno or 1)
     return Malformed(message=mistake.message, line=mistake.line, hint=mistake.hint)

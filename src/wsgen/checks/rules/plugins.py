@@ -74,9 +74,10 @@ def check_plugins(facts: PluginFacts, file: Path | None) -> Iterator[Diagnostic]
     for plugin in (plugin for tag in facts.tags for plugin in tag.plugins):
         if not plugin.filename:
             continue
-        yield from unknown_plugin(plugin, file)
-        if wanted is not None and simulator_of(plugin.filename) not in {None, wanted}:
-            continue  # which is not loaded, whatever it says
+        is_loaded = wanted is None or simulator_of(plugin.filename) in {None, wanted}
+        yield from unknown_plugin(plugin, file, is_loaded=is_loaded)
+        if not is_loaded:  # whatever it says
+            continue
         yield from plugin_parts(plugin, facts, file)
         yield from unread_parameters(plugin, file)
     yield from plugin_of_other_simulator(facts, file)
@@ -110,11 +111,15 @@ UNKNOWN_PLUGIN = Rule(
 )
 
 
-def unknown_plugin(plugin: Plugin, file: Path | None) -> Iterator[Diagnostic]:
+def unknown_plugin(
+    plugin: Plugin, file: Path | None, *, is_loaded: bool = True
+) -> Iterator[Diagnostic]:
     """Report a plugin whose file or class has a name that is nearly the right one."""
     place = f"gazebo/plugin[@filename='{plugin.filename}']"
     remark = remark_on(plugin.filename.rpartition("/")[2], plugin.name)
     if remark is not None:
+        if not (remark.is_filename or is_loaded):
+            return  # of another simulator: its plugins are called anything
         attribute = "filename" if remark.is_filename else "name"
         message, hint = remark.message, f'Write {attribute}="{remark.meant}".'
     else:

@@ -255,7 +255,7 @@ def read_document(content: str | bytes) -> Document:
             MALFORMED_XML,
             f"Not well-formed XML: {root.message}. Gazebo's parser accepts it; others do not.",
             root.line,
-            "Write &amp; for &, no -- in comments, and declare prefixes with xmlns:PREFIX.",
+            root.hint,
         )
         return Document(lenient, (*problems, problem))
     problem = Problem(

@@ -100,7 +100,7 @@ def read_joint(collector: Collector, element: Element, name: str) -> Joint | Non
             collector.report_missing(
                 INCOMPLETE_JOINT,
                 f"The joint `{name}` has no {tag} link.",
-                hint=f'Add <{tag} link="LINK"/>.',
+                hint=f'{"Add" if end is None else "Write"} <{tag} link="LINK"/>.',
                 at=element if end is None else end,
                 path=path,
                 name=tag if end is None else "link",

@@ -383,7 +383,7 @@ def _parsed(collector: Collector, text: str) -> Element | None:
             MALFORMED_XML,
             f"Not well-formed XML: {root.message}. Gazebo's parser accepts it; xacro and others "
             "do not.",
-            hint="Write &amp; for &, no -- in comments, and declare prefixes with xmlns:PREFIX.",
+            hint=root.hint,
             at=root.line,
             severity=Severity.WARNING,
         )

@@ -180,7 +180,8 @@ def _check_ends(  # noqa: PLR0913, PLR0917  a joint, and what it is in
     for end, name in (("parent", joint.parent), ("child", joint.child)):
         message = f"The {end} of the joint `{joint.name}` is `{name}`, but no link has that name."
         if name not in links and not collector.blame_misspelled(robot, f"link {name}", message):
-            near = nearest_element(collector, name, links)
+            near = next((link for link in links if link.strip() == name.strip()), None)
+            near = near or nearest_element(collector, name, links)
             collector.report(
                 UNKNOWN_LINK,
                 message,

@@ -29,7 +29,7 @@ from wsgen.text.files import (
 )
 from wsgen.text.markup import SIZE_LIMIT, elements, label, line_with, read_text, without_comments
 from wsgen.text.suggestions import advice, did_you_mean, nearest
-from wsgen.text.xmlsyntax import find_mistake
+from wsgen.text.xmlsyntax import NAMESPACES, find_mistake
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -66,7 +66,6 @@ OWN_ELEMENTS = {
 LONGEST_QUOTE = 60  # characters of an expression or a value
 USUAL = "Fix the xacro file; `xacro FILE` shows the same error."
 MOST_SCOPES = 100  # deeper ones are cycles
-XACRO = "http://www.ros.org/wiki/xacro"
 PREFIX = re.compile(r"[<\s]([\w.-]+):[\w.-]+")  # of an element or attribute
 ROOT = re.compile(r"<([\w.-]+)((?:\s[^<>]*)?)>")
 PACKAGES = Path("share", "ament_index", "resource_index", "packages")  # below a prefix
@@ -170,7 +169,7 @@ def _undeclared_prefix(file: Path, line: int) -> Explanation | None:
         return None
     prefix, root_line = used[1], text.count("\n", 0, root.start()) + 1
     rest = " ".join(root[2].split())
-    address = XACRO if prefix == "xacro" else "ADDRESS"
+    address = NAMESPACES.get(prefix, prefix)
     start = f'<{root[1]} xmlns:{prefix}="{address}"' + (f" {rest}>" if rest else ">")
     return {
         "message": f"line {line} uses the prefix `{prefix}:`, but <{root[1]}> in line {root_line} "

@@ -323,7 +323,9 @@ def _read_manifest(file: Path, parser: Any, handler: _Handler) -> Manifest | Dia
         return UNREADABLE_MANIFEST.at(
             file,
             message=f"package.xml cannot be read: {error.strerror or error}.",
-            hint="Check that it is a file and that you may read it (ls -l).",
+            hint="Remove what is not needed in it."
+            if error.errno == errno.EFBIG
+            else "Check that it is a file and that you may read it (ls -l).",
         )
     except UnicodeDecodeError as error:
         return UNREADABLE_MANIFEST.at(
