@@ -708,13 +708,17 @@ def test_a_disk_too_full_to_say_so(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 @pytest.mark.parametrize(
     ("text", "message", "hint"),
     [
-        ("double is no type. Did you mean `float64`?", "double is no type.", "Did you mean `flo"),
+        (
+            "double is not a type. Did you mean `float64`?",
+            "double is not a type.",
+            "Did you mean `flo",
+        ),
         (
             "nav_msgs is used, but it is not among DEPENDENCIES in CMakeLists.txt.",
             "nav_msgs is used, but it is not among DEPENDENCIES in CMakeLists.txt.",
             "Add nav_msgs to them, and <depend>nav_msgs</depend>",
         ),
-        ("zzz is no type.", "zzz is no type.", "Write a type such as float64"),
+        ("zzz is not a type.", "zzz is not a type.", "Write a type such as float64"),
     ],
 )
 def test_a_type_that_no_interface_has(text: str, message: str, hint: str, tmp_path: Path) -> None:

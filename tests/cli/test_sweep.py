@@ -104,7 +104,7 @@ def test_a_variant_that_does_not_expand_is_a_row(
             2,
             "so that --arg height:=3 has no effect",
         ),
-        (("--over", "world.slope=0:45:10"), 2, "It is in radians; of degrees, write 5deg."),
+        (("--over", "world.slope=0:45:10"), 2, "Write 5deg if it is in degrees."),
         (("--over", "world.friction=0.1,high"), 2, "world.friction: high is not allowed"),
     ],
 )

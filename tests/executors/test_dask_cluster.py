@@ -111,7 +111,7 @@ def test_somebody_else_there(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(dask_cluster, "CONNECT_SECONDS", 1.0)
     with socket.create_server(("127.0.0.1", 0)) as server:
         address = f"127.0.0.1:{server.getsockname()[1]}"
-        with pytest.raises(NotFoundError, match=f"What answers at {address} is no Dask scheduler"):
+        with pytest.raises(NotFoundError, match=f"at {address} is not a Dask scheduler"):
             dask_cluster.connect(address)
 
 

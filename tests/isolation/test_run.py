@@ -97,7 +97,7 @@ def test_a_crash_says_signal_and_step(run: Run, task: Task) -> None:
 def test_a_child_that_stops_itself_is_ended_soon(run: Run, task: Task) -> None:
     died = run(task("import os, signal\nos.kill(os.getpid(), signal.SIGSTOP)"))
     assert isinstance(died, Died)
-    assert died.reason == "was stopped by SIGSTOP, and nobody would have continued it"
+    assert died.reason == "was stopped by SIGSTOP, and nothing would have continued it"
     assert died.hint("Look.") == "Look for what sends SIGSTOP to its own process."
 
 

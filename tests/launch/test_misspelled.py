@@ -130,7 +130,7 @@ def test_module_or_attribute_that_is_misspelled(
         ("Node(package='rviz2', executable='rviz2',\n outptu='screen')", "`outptu`", "`output`"),
         ("LogInfo(\n mgs='a')", "`LogInfo` has no argument `mgs`", "`msg`"),
         ("DeclareLaunchArgument('a',\n defaul_value='b')", "`defaul_value`", "`default_value`"),
-        ("Node(package='rviz2', executable='rviz2',\n qqq=1)", "`qqq`", "It has "),
+        ("Node(package='rviz2', executable='rviz2',\n qqq=1)", "`qqq`", "Use one of "),
         ("\nExecuteProcess()", "is not given `cmd`", "Add `cmd=...`"),
     ],
 )

@@ -477,7 +477,7 @@ def test_it_waits_until_something_holds_and_no_longer(rig: Rig) -> None:
     assert held
     assert rig.session.state.seconds == pytest.approx(2.0, abs=0.1)
     assert not rig.session.run_for(0.5, until=lambda: False)
-    with pytest.raises(RequestError, match="no seconds"):
+    with pytest.raises(RequestError, match="not a time in seconds"):
         rig.session.run_for(math.nan)
 
 

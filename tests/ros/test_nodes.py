@@ -239,7 +239,7 @@ def test_what_a_publisher_has_kept_that_is_found_late_is_shown(
         stack.callback(shown.kill)
         assert shown.stderr is not None
         # The name of the listener may be found later than its subscription.
-        silent = ("Nobody publishes on /kept", "No node is found")
+        silent = ("No node publishes on /kept", "No node is found")
         while not (line := shown.stderr.readline()).startswith(silent):
             assert line
         nodes[1].send_signal(signal.SIGCONT)

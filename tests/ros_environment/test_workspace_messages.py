@@ -48,9 +48,9 @@ def test_what_is_right(prefix: Path) -> None:
 @pytest.mark.parametrize(
     ("line", "text"),
     [
-        ("flot32 x", "flot32 is no type. Did you mean `float32`?"),
-        ("zzz[3] x", "zzz is no type."),
-        ("double x", "double is no type. Did you mean `float64`?"),
+        ("flot32 x", "flot32 is not a type. Did you mean `float32`?"),
+        ("zzz[3] x", "zzz is not a type."),
+        ("double x", "double is not a type. Did you mean `float64`?"),
         (
             "geometry_msgs/Pos pose",
             "geometry_msgs has no message Pos. Did you mean `geometry_msgs/Pose`?",

@@ -82,7 +82,7 @@ def test_a_file_that_a_parameter_names(tmp_path: Path) -> None:
         ("a: 1", "must be a YAML sequence"),
         ("- [1, 2]", "bridge.yaml:1: entry must be a YAML map"),
         ("\n- {ros_topic_name: /a}", "bridge.yaml:2: both ros_type_name and gz_type_name"),
-        ("- {ros_type_name: a, gz_type_name: b}", "it names no topic"),
+        ("- {ros_type_name: a, gz_type_name: b}", "it does not name a topic"),
         ("- {topic_name: a, ros_topic_name: b}", "are mutually exclusive"),
         ("- {topic_name: a, ros_type_name: a, gz_type_name: b, direction: in}", "direction [in]"),
         ("- {", "Could not parse config: "),

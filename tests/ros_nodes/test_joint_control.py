@@ -246,7 +246,7 @@ def test_a_trajectory_of_gazebo_sim() -> None:
         assert position(simulation) == pytest.approx(-0.2, abs=0.01)
         assert [message.data for message in ros.published("/progress")] == [0.5, 1.0]
         ros.send("/go", trajectory((0.3, math.inf)))
-        assert "values that are no numbers" in ros.warnings[-1]
+        assert "values that are not numbers" in ros.warnings[-1]
         ros.send("/go", trajectory((0.3, 0.1), joint="leg"))  # which it does not control
         simulation.advance(1.7)
         assert position(simulation) == pytest.approx(-0.2, abs=0.01)
@@ -284,4 +284,4 @@ def test_a_trajectory_of_classic() -> None:
 def test_plugins_that_name_no_joint(name: str) -> None:
     with moving(f"gz-sim-{name}-system", "<joint_name>leg</joint_name>") as (_, ros):
         assert "names the joint `leg`" in ros.warnings[0]
-        assert "it names no joint of the robot" in ros.warnings[1]
+        assert "it does not name a joint of the robot" in ros.warnings[1]

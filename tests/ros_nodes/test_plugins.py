@@ -160,7 +160,7 @@ def test_a_speed_that_no_joint_can_have_is_named_and_stops_it() -> None:
     simulation.advance(0.1)
     assert simulation.engine.motors["rover"]["left"].speed == 0.0
     assert len(ros.warnings) == 2  # one for each wheel
-    assert "the joint `left` is told a speed of more than 10000 rad/s or m/s" in ros.warnings[0]
+    assert "`left` is commanded a speed of more than 10000 rad/s or m/s" in ros.warnings[0]
     ros.send("/cmd_vel", twist(0.1))
     simulation.advance(0.2)
     assert simulation.engine.motors["rover"]["left"].speed == pytest.approx(10.0)
@@ -175,7 +175,7 @@ def test_an_effort_that_no_joint_can_have_is_none(effort: float, warnings: int) 
     assert simulation.engine.efforts["rover"] == {"left": 0.0, "right": 3.0}
     assert len(ros.warnings) == warnings
     assert all(
-        "`left` is told an effort of more than 1e+09 N m or N" in one for one in ros.warnings
+        "`left` is commanded an effort of more than 1e+09 N m or N" in one for one in ros.warnings
     )
 
 

@@ -110,7 +110,7 @@ def test_unknown_plugins_and_wrong_parameters_are_named_once() -> None:
     assert "`rover`: wsgen does not simulate the plugin `libmy_plugin.so`." in unknown
     assert "`libgazebo_ros_diff_drive.so` does not work: its diff drive plugin names the" in drive
     assert "the joint `lef`, but the robot has no revolute or continuous joint" in drive
-    assert "it names no joint of the robot" in states
+    assert "it does not name a joint of the robot" in states
 
 
 @pytest.mark.parametrize("problem", [ZeroDivisionError("division by zero"), ValueError("negative")])

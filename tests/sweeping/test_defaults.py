@@ -95,7 +95,7 @@ def test_without_a_table(tmp_path: Path) -> None:
     [
         ('over = { a = "0:1:0" }', r":2 over: a=0:1:0: COUNT is 0"),
         ("over = { a = [1, 1] }", r":2 over: a: 1 is given twice"),
-        ('random = { a = "unifrom(1,2)" }', r":2 random: a=unifrom\(1,2\): wsgen knows no"),
+        ('random = { a = "unifrom(1,2)" }', r":2 random: a=unifrom\(1,2\): wsgen does not have"),
     ],
 )
 def test_mistakes_name_the_file_and_the_line(text: str, message: str, tmp_path: Path) -> None:

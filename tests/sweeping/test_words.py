@@ -112,7 +112,7 @@ def test_an_axis_that_is_none(word: str, message: str) -> None:
         ("a=1,2", "a distribution is a name with numbers in parentheses"),
         ("a=", "a distribution is a name with numbers in parentheses"),
         ("a=uniform(1,2", "a distribution is a name with numbers in parentheses"),
-        ("a=unifrom(1,2)", "no distribution `unifrom`"),
+        ("a=unifrom(1,2)", "not have the distribution `unifrom`"),
         ("a=uniform()", "no value is given"),
         ("a=uniform(1)", "not 1 number"),
         ("a=uniform(1,2,3)", "not 3 numbers"),

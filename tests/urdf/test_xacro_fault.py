@@ -165,8 +165,8 @@ def body(*lines: str) -> str:
 @pytest.mark.parametrize(
     ("use", "definition", "hint"),
     [
-        ('<link name="${a}"/>', '<xacro:property name="a" value="1"/>', "Line 3 of robot.xacro"),
-        ("<xacro:a/>", '<xacro:macro name="a"><link/></xacro:macro>', "Line 3 of robot.xacro"),
+        ('<link name="${a}"/>', '<xacro:property name="a" value="1"/>', "line 3 of robot.xacro"),
+        ("<xacro:a/>", '<xacro:macro name="a"><link/></xacro:macro>', "line 3 of robot.xacro"),
     ],
 )
 def test_what_is_defined_too_late(model: Path, use: str, definition: str, hint: str) -> None:

@@ -344,7 +344,7 @@ def test_opening_what_is_around_a_workspace(root: Path) -> None:
 def test_opening_the_src_of_a_workspace(root: Path) -> None:
     with pytest.raises(RequestError, match="is the folder src of a workspace") as raised:
         open_workspace(str(root / "src"))
-    assert raised.value.hint == f"To use the workspace: -w {root}"
+    assert raised.value.hint == f"Name the workspace: -w {root}"
     (root / "src" / "src").mkdir()
     assert open_workspace(str(root / "src")) == Workspace(root=root / "src")
 

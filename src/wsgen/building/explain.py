@@ -150,7 +150,7 @@ def explain_colcon(output: str, returncode: int, workspace: Workspace) -> tuple[
         COLCON_FAILURE.at(
             workspace.root,
             message=f"colcon failed{': ' if words else ' without output.'}{words}",
-            hint=f"Its log: {workspace.log / 'latest_build' / 'logger_all.log'}",
+            hint=f"Read its log: {workspace.log / 'latest_build' / 'logger_all.log'}",
         ),
     )
 
@@ -159,7 +159,7 @@ def _ended_by_signal(number: int, workspace: Workspace) -> Diagnostic:
     return COLCON_FAILURE.at(
         workspace.root,
         message=f"colcon was ended by signal {number}.",
-        hint="Another process sent it; Linux sends signal 9 when memory runs out.",
+        hint="Look for the process that sent it; Linux sends signal 9 when memory runs out.",
     )
 
 
@@ -168,7 +168,7 @@ def _refuse_request(output: str) -> None:
     if usage:
         raise RequestError(
             f"colcon refuses the arguments: {usage[1]}.",
-            hint="Arguments after -- go to colcon build; colcon build --help lists its options.",
+            hint="Write after -- what `colcon build --help` lists: those go to colcon build.",
         )
     unknown = re.search(
         r"^(?:Package '\S+' specified with|the --packages-).*$", output, re.MULTILINE

@@ -57,7 +57,7 @@ def require_places(*files: str | None) -> None:
             same = [other for other in given if Path(other).absolute() == Path(file).absolute()]
             if len(same) > 1:
                 raise RequestError(
-                    f"{file} is named for two reports.", hint="Give each a file of its own."
+                    f"{file} is named for two reports.", hint="Give each another file."
                 )
 
 

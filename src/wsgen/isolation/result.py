@@ -22,7 +22,7 @@ OUTPUT_LIMIT = 64 * 2**20  # bytes of a file, so that a child cannot fill the di
 # A child that shares its core with eight others takes nine times its CPU time.
 WALL_CLOCK_FACTOR = 10.0
 
-STOPPED = "was stopped by SIGSTOP, and nobody would have continued it"  # a reason
+STOPPED = "was stopped by SIGSTOP, and nothing would have continued it"  # a reason
 WINDOWS_ERRORS = 0xC0000000  # and above: exit codes of processes that Windows ended
 
 Cause = Literal["cpu time", "wall-clock time", "memory", "output", "crash", "exception"]

@@ -487,8 +487,9 @@ def _refusal(error: BaseException) -> Explanation | None:
         return Explanation(
             DESCRIPTION_NOT_YAML,
             f"{text}.",
-            "ParameterValue(Command([...]), value_type=str) keeps the text as it is; otherwise "
-            "launch_ros reads it as YAML, and a ': ' or ' #' in the robot stops the launch.",
+            "Write ParameterValue(Command([...]), value_type=str), which keeps the text as it is; "
+            "otherwise launch_ros reads it as YAML, and a ': ' or ' #' in the robot stops the "
+            "launch.",
         )
     if kind == "SubstitutionFailure" and text.startswith("launch configuration"):
         name = text.split("'")[1]
@@ -499,7 +500,8 @@ def _refusal(error: BaseException) -> Explanation | None:
             advice(
                 name,
                 () if name in declared else declared,  # it is spelled well, and comes too late
-                f"An environment variable is EnvironmentVariable('{name}', default_value='')."
+                f"Write EnvironmentVariable('{name}', default_value='') for a variable of the "
+                "environment."
                 if name.isupper()
                 else f"Declare it before its first use: DeclareLaunchArgument('{name}', "
                 "default_value=...); the order in the LaunchDescription counts.",
@@ -608,12 +610,12 @@ def _other(error: BaseException) -> Explanation:
             return Explanation(
                 REFUSED_BY_LAUNCH,
                 f"launch refuses this: {text}.",
-                "YAML reads a text like 2024-01-31 as a date: write it in quotes.",
+                "Write a text like 2024-01-31 in quotes: YAML reads it as a date.",
             )
         return Explanation(
             REFUSED_BY_LAUNCH,
             f"launch refuses this: {text}.",
-            "The real ros2 launch refuses it too; check the types and the order of the arguments.",
+            "Check the types and the order of the arguments: the real ros2 launch refuses it, too.",
         )
     return Explanation(
         RAISES,

@@ -498,7 +498,7 @@ def executable_error(error: BaseException) -> Explanation | None:
     elif near is not None:
         hint = did_you_mean(near)
     else:
-        hint = f"It has {', '.join(known)}." if known else "Check the spelling."
+        hint = f"Use one of {', '.join(known)}." if known else "Check the spelling."
     return Explanation(
         EXECUTABLE_NOT_FOUND,
         f"The package '{package}' has no executable '{program}'.",

@@ -361,7 +361,7 @@ def of_keyword(error: BaseException) -> Explanation | None:
     return Explanation(
         INVALID_KEYWORD,
         f"{said}.",
-        did_you_mean(near) if near else f"It has {', '.join(sorted(known))}.",
+        did_you_mean(near) if near else f"Use one of {', '.join(sorted(known))}.",
         file,
         given.get(keyword, line),
         keyword,

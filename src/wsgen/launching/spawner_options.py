@@ -278,5 +278,5 @@ def _unknown(process: Process, word: str, options: Options) -> _Remark:
         f"{process.executable} {does} '{word}'.",
         did_you_mean(f"-{options.entity}")
         if is_name
-        else advice(word, names, f"It knows {' '.join(names)}."),
+        else advice(word, names, f"Use one of {' '.join(names)}."),
     )

@@ -46,7 +46,7 @@ def check_awaited(name: str, plan: LaunchPlan) -> None:
     if {name, bare} & {one for process in nested for one in _names_of(process)}:
         raise RequestError(
             f"--until-exit waits for `{name}`, which starts another launch file; wsgen plays that "
-            "in the same launch, which has no end of its own.",
+            "in the same launch, which does not end by itself.",
             hint=f"Name one of its nodes or programs. {ask_for_nearest(bare, known)}".rstrip(),
         )
     if _is_mentioned(bare, plan):

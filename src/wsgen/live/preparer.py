@@ -141,5 +141,5 @@ def _answer(line: bytes, prepare: Callable[[NewEntity], PreparedEntity]) -> Prep
     except Exception as error:  # noqa: BLE001  the simulator waits for an answer
         return PreparedEntity(
             problem=f"The description cannot be read: {type(error).__name__}: {error}.",
-            hint="This is a bug in wsgen: report it with the description.",
+            hint="Report it with the description: it is a bug in wsgen.",
         )

@@ -168,8 +168,8 @@ def run_launch(  # noqa: PLR0913  what to run, and who hears of it
     if code < 0:
         raise SessionDiedError(
             f"The launch service was ended by {signal.Signals(-code).name}.",
-            hint="All that it had started was ended, too. Look for what ends processes: memory "
-            "that runs out, or a kill of somebody.",
+            hint="Look for what ends processes: memory that runs out, or a `kill`. All that it "
+            "had started was ended, too.",
         )
     return code
 

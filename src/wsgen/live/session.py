@@ -245,7 +245,9 @@ class LiveSession:
                 passes, or too little.
         """
         if not (math.isfinite(seconds) and seconds >= 0):
-            raise RequestError(f"{seconds!r} are no seconds.", hint="Give a number from 0.")
+            raise RequestError(
+                f"{seconds!r} is not a time in seconds.", hint="Give a number from 0."
+            )
         left, moved = seconds, time.monotonic()
         end = time.monotonic() + 60.0 + 20.0 * seconds
         while not (holds := until()) and left > 1e-9:  # noqa: PLR2004  what sums are off

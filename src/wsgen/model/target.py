@@ -169,7 +169,7 @@ def _unknown_distro(
             f"ROS_DISTRO={distro} in the environment is {known}",
             hint=f"Name the target, for example {option}; or run: unset ROS_DISTRO",
         )
-    hint = f"For example {option}" if near is None else did_you_mean(option)
+    hint = f"Write for example {option}" if near is None else did_you_mean(option)
     return RequestError(f"{distro!r} is {known}", hint=hint)
 
 

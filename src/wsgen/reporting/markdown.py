@@ -143,8 +143,8 @@ def _item(found: Diagnostic, folder: Path) -> str:
     file = relative_name(found.file, folder)
     place = f"{file}:{found.line}" if file and found.line else file
     where = f"{_code(place)}: " if place else ""
-    hint = f"<br>Try: {_text(found.hint)}" if found.hint else ""
-    return f"- {where}**{found.code}** {_text(found.message)}{hint}"
+    tried = f"<br>Try: {_text(found.hint)}" if found.hint else ""
+    return f"- {where}**{found.code}** {_text(found.message)}{tried}"
 
 
 def _table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[str]:

@@ -86,7 +86,7 @@ class FileSubject(Subject):
 
     def _advice(self, name: str) -> str:  # noqa: ARG002
         if self._reader.kind != "xacro":
-            return "Only a xacro file has parameters of its own."
+            return "Only a xacro file has parameters."
         return 'Declare it in the file: <xacro:arg name="NAME" default="VALUE"/>'
 
     def _read(self, values: Mapping[str, Value], folder: Path) -> Prepared:

@@ -178,7 +178,7 @@ def as_prepared(
     # Nodes would take more time than the simulations of all variants.
     plan = None if world is None else validation.behavior_plan([*prepared])
     if plan is not None:
-        hint = "`wsgen validate` runs them."
+        hint = "Run `wsgen validate` for them."
         plan = plan.leave_out("A sweep runs no nodes.", hint, Severity.INFO).without_to_run()
     blueprint = Blueprint(
         name=name,

@@ -372,7 +372,7 @@ def _refused(value: str, parameter: Parameter) -> RequestError:
     number = _NUMBER.fullmatch(value.replace(",", "").strip())
     in_degrees = parameter.unit == "rad" and number is not None and not number[2]
     if number is not None and in_degrees and parameter.is_within(math.radians(float(number[1]))):
-        hint = f"It is in radians; of degrees, write {number[1]}deg. {hint}"
+        hint = f"Write {number[1]}deg if it is in degrees. {hint}"
     return RequestError(
         f"{parameter.name}: {value} is not allowed; it must be {parameter.expected}.", hint=hint
     )

@@ -204,7 +204,7 @@ def read_distribution(name: str, text: str, *, option: str = RANDOM) -> Distribu
     kind = call[1].lower()
     if kind not in KINDS:
         raise RequestError(
-            f"{shown}: wsgen knows no distribution `{call[1]}`.",
+            f"{shown}: wsgen does not have the distribution `{call[1]}`.",
             hint=f"{ask_for_nearest(kind, KINDS)}Write one of {', '.join(EXAMPLES.values())}.",
         )
     items = _split(call[2], shown)

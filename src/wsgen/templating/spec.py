@@ -105,4 +105,6 @@ def _check_name(name: str, dependencies: Mapping[str, tuple[str, ...]]) -> None:
     else:
         return
     shown = name if len(name) <= 40 else f"{name[:40]}..."  # noqa: PLR2004  enough to know it
-    raise RequestError(f"The package name {shown!r} {broken}.", hint=f"A valid name: {suggestion}")
+    raise RequestError(
+        f"The package name {shown!r} {broken}.", hint=f"Use for example {suggestion}"
+    )

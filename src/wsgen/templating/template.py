@@ -439,7 +439,7 @@ def load_template(given: str) -> Template:
     if template.is_abstract:
         raise RequestError(
             f"Template {template.name!r} is abstract: other templates extend it.",
-            hint=f"Templates: {', '.join(template_names())}.",
+            hint=f"Choose one of {', '.join(template_names())}.",
         )
     return template
 
@@ -495,7 +495,7 @@ def _no_template(given: str, folder: Path) -> RequestError:
     if folder.is_dir():
         return RequestError(
             f"The folder {given} has no {MANIFEST}.",
-            hint=f"docs/templates.md describes how to write one; those of wsgen are: {names}.",
+            hint=f"Write one as docs/templates.md describes, or choose one of wsgen: {names}.",
         )
     return RequestError(
         f"Template {given!r} does not exist.",

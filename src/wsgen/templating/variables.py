@@ -120,6 +120,6 @@ def _read(variable: Variable, text: str, setting: str) -> Answer:
         raise RequestError(
             f"--set {setting}: `{variable.name}` must be {variable.expected}.",
             hint=f"{'Replace the comma by a point. ' if comma else ''}"
-            f"For example --set {variable.name}={show(variable.default)}",
+            f"Write for example --set {variable.name}={show(variable.default)}",
         )
     return value

@@ -79,7 +79,7 @@ def _of_robot(found: Mapping[str, T], name: str) -> T:
     if name not in found:
         raise RequestError(
             f"The robot `{name}` is not in the world.",
-            hint="Something has deleted it, or it exploded: look at what the simulator prints.",
+            hint="Look at what the simulator prints: a node deleted it, or it exploded.",
         )
     return found[name]
 
@@ -124,7 +124,9 @@ class Live:
         if len(robots) != 1:
             raise RequestError(
                 f"{len(robots)} robots are in the world.",
-                hint=f"Choose one: ros.robots[NAME]; there are {', '.join(robots) or 'none'}.",
+                hint=f"Choose one: ros.robots[NAME], of {', '.join(robots)}."
+                if robots
+                else "Spawn one first.",
             )
         return next(iter(robots.values()))
 
@@ -189,7 +191,10 @@ class Live:
             RequestError: Nobody takes it, or the type has no such field.
         """
         if rate is not None and not (_is_number(rate) and rate > 0):
-            raise RequestError(f"{rate!r} is no rate.", hint="Give messages a second, above 0.")
+            raise RequestError(
+                f"The rate {rate!r} is not a number above 0.",
+                hint="Give messages a second, above 0.",
+            )
         self._ask(
             "publish",
             topic=_from_root(topic),  # one with and one without `/` would be published twice
@@ -216,7 +221,7 @@ class Live:
         found = self._ask("subscribe", topic=topic, seconds=SECONDS_TO_MATCH)
         if not found["is_there"]:
             raise RequestError(
-                f"Nobody publishes on {topic}.",
+                f"No node publishes on {topic}.",
                 hint=found["hint"] or "Look at what the nodes print.",
             )
         last: list[Any] = [None]
@@ -258,7 +263,9 @@ class Live:
         """
         messenger = self._session.messenger
         if not _is_number(seconds) or seconds < 0:
-            raise RequestError(f"{seconds!r} are no seconds.", hint="Give a number from 0.")
+            raise RequestError(
+                f"{seconds!r} is not a time in seconds.", hint="Give a number from 0."
+            )
         end = time.monotonic() + seconds + SECONDS_TO_ANSWER
 
         def call() -> Any:

@@ -309,7 +309,7 @@ def test_odometry_without_poses_has_transforms_all_the_same() -> None:
 def test_a_tricycle_ignores_commands_that_are_no_numbers() -> None:
     with controlled(TRIKE, TRICYCLE, TRIKE_MEASURES, OF_TRIKE) as made:
         made.ros.send("/~/cmd_vel", twist(made, math.nan))
-        assert "speeds that are no numbers" in made.node.said[-1]
+        assert "speeds that are not numbers" in made.node.said[-1]
         unstamped = twist(made, 0.4)
         unstamped.header.stamp = made.ros.time(0.0)
         made.ros.send("/~/cmd_vel", unstamped)

@@ -30,8 +30,8 @@ UNSTABLE_DAMPING = Rule(
     what="Computes from all masses and dampings how much of a motion the dampers take in a step of "
     "1 ms. Measured with Gazebo Classic 11.",
     why="Gazebo Classic computes the damping from the speed before each step. If a step takes more "
-    "than twice the speed, the joint swings faster and faster, until its position is no number and "
-    "the robot disappears.",
+    "than twice the speed, the joint swings faster and faster, until its position is not a number "
+    "and the robot disappears.",
     example='<dynamics damping="100"/>',
     instead='<dynamics damping="0.1"/>',
 )

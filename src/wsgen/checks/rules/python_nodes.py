@@ -702,7 +702,7 @@ def _whole_numbers(
                 use.lineno,
                 target.attr,
                 message=f"`{ast.unparse(target)}` is a float, but is set to the integer {text}.",
-                hint=f"Write {ast.unparse(target)} = {text}.0",
+                hint=f"Write `{ast.unparse(target)} = {text}.0`.",
             )
 
 

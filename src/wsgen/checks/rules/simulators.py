@@ -102,7 +102,7 @@ OTHER_WORLD = Rule(
     what="Compares `-world` of `create`, and the service of `gz service`, with the name in "
     "`<world name=...>` of the world file.",
     why="Gazebo provides the service `/world/NAME/create` only for the world that it loads: the "
-    "request of the spawner gets no answer. NAME is the name of the `<world>`, not that of the "
+    "request of the spawner is not answered. NAME is the name of the `<world>`, not that of the "
     "file.",
     example='# office.sdf: <world name="default">\n'
     "arguments=['-world', 'office', '-topic', 'robot_description']",

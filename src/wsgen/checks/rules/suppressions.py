@@ -24,7 +24,7 @@ ALLOWED_WITHOUT_REASON = Rule(
     summary="A rule is allowed without a reason.",
     what="Looks at `[check.allow]` of `wsgen.toml` and at comments `wsgen: allow RULE: REASON`. "
     "Without a reason the diagnostic is still reported.",
-    why="Readers of the file cannot tell intended exceptions from silenced errors.",
+    why="Readers of the file cannot distinguish intended exceptions from silenced errors.",
     example="<!-- wsgen: allow no-visual -->",
     instead="<!-- wsgen: allow no-visual: the gripper is drawn by its driver -->",
 )

@@ -133,7 +133,7 @@ def _encoding(found: _Trace, _: _Sources) -> Explanation | None:
             **explanation,
             "message": f"the byte 0x{again.object[again.start]:02x} is not valid UTF-8",
             "line": again.object.count(b"\n", 0, again.start) + 1,
-            "hint": f"The file is not in UTF-8, perhaps in Latin-1. {save_as_utf8('ISO-8859-1')}",
+            "hint": f"{save_as_utf8('ISO-8859-1')} Perhaps it is in Latin-1.",
         }
     except OSError:
         pass
@@ -307,14 +307,14 @@ def _name(found: _Trace, sources: _Sources) -> Explanation | None:
             "hint": did_you_mean(misspelled[1]),
         }
     if later is None and plain is not None:
-        hint = f"Line {plain.line} of {plain.file.name} says <property>: write <xacro:property>."
+        hint = f"Write <xacro:property> for <property> in line {plain.line} of {plain.file.name}."
     elif later is None:
         define = f'<xacro:property name="{name}" value="..."/>'
         hint = advice(name, found.names, f"Define it before its first use: {define}.")
     else:
         hint = (
-            f"Line {later.line} of {later.file.name} defines `{name}`, but it is not known here: "
-            "define it above its first use and outside of macros."
+            f"Define `{name}` above its first use and outside of macros: line {later.line} of "
+            f"{later.file.name} does it too late, or where it is not known here."
         )
     return {"message": _message_of(found), "hint": hint}
 
@@ -375,7 +375,7 @@ def _unknown_macro(found: _Trace, sources: _Sources, name: str) -> Explanation:
         "message": f"unknown macro name: xacro:{name}",
         "hint": advice(name, (*OWN_ELEMENTS, *found.macros), include)
         if later is None
-        else f"Line {later.line} of {later.file.name} defines it: move that above its first use.",
+        else f"Move line {later.line} of {later.file.name}, which defines it, above its first use.",
     }
 
 

@@ -145,7 +145,7 @@ def rule_of(word: str) -> dict[str, str]:
     places = [(types.find(mark), mark) for mark in MARKS if mark in types]
     if not topic or not at or not types:
         raise BadBridgeError(
-            f"The argument `{word}` is no bridge. "
+            f"The argument `{word}` does not describe a bridge. "
             "Write one like /scan@sensor_msgs/msg/LaserScan[gz.msgs.LaserScan."
         )
     ros_type, mark, gz_type = (types, "", "")
@@ -162,8 +162,8 @@ def rule_of(word: str) -> dict[str, str]:
         }
     if not ros_type or not gz_type or "@" in gz_type:
         raise BadBridgeError(
-            f"The argument `{word}` is no bridge: after the type of ROS comes @, [ or ] and then "
-            "the type of Gazebo. Write one like "
+            f"The argument `{word}` does not describe a bridge: after the type of ROS comes @, [ "
+            "or ] and then the type of Gazebo. Write one like "
             "/scan@sensor_msgs/msg/LaserScan[gz.msgs.LaserScan."
         )
     return {
@@ -225,7 +225,7 @@ def _rule_of_entry(entry: yamlfile.Value) -> dict[str, str] | str:
         return f"invalid direction [{direction}]. Write one of {', '.join(DIRECTIONS)}."
     ros = ros or both or gz
     if not ros:
-        return "it names no topic. Add ros_topic_name."
+        return "it does not name a topic. Add ros_topic_name."
     return {
         "ros_topic": ros,
         "gz_topic": gz or ros,

@@ -169,7 +169,7 @@ def _of_sdf(text: str) -> Robot:
         problem = "A joint has the parent `world`. Give the robot a first link that stands for it."
     elif robot.loose:
         names = ", ".join(f"`{joint.child}`" for joint in robot.loose)
-        problem = f"The links are no tree. Join {names} to it by joints."
+        problem = f"The links do not form a tree. Join {names} to it by joints."
     if problem:
         raise RefusedDescriptionError(f"sdformat_urdf refuses the model: {problem}")
     return robot

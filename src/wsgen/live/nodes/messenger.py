@@ -192,12 +192,12 @@ class Messenger:
             if self._node.count_subscribers(name)
         ]
         hint = (
-            f"Those who take it want {', '.join(others)}."
+            f"Write the type that its subscriptions have: {', '.join(others)}."
             if others
-            else f"{ask_for_nearest(request['topic'], known)}Topics with subscriptions: "
-            f"{', '.join(known) or 'none'}."
+            else f"{ask_for_nearest(request['topic'], known)}Use a topic with subscriptions: "
+            f"{', '.join(known) or 'none has any'}."
         )
-        return {"error": f"Nobody takes {request['type']} from {request['topic']}.", "hint": hint}
+        return {"error": f"No node takes {request['type']} from {request['topic']}.", "hint": hint}
 
     def _repeat(self, topic: str, publisher: Any, message: Any, stamps: Any, period: float) -> None:
         """Publish a message again and again, in simulated time."""

@@ -135,7 +135,7 @@ class Silence:
             self.say(self.nothing_runs())
         elif not publishers:
             near = self._near(topic, "publishers", self._node.count_publishers)
-            self.say(f"Nobody publishes on {topic}. {near}Waiting ...")
+            self.say(f"No node publishes on {topic}. {near}Waiting ...")
         elif kind not in types:
             self.say(f"{topic} has {', '.join(types)}, and not {kind}: nothing will come.")
         else:
@@ -149,7 +149,7 @@ class Silence:
             self.say(self.nothing_runs())
         elif not subscriptions:
             near = self._near(topic, "subscriptions", self._node.count_subscribers)
-            self.say(f"Nobody subscribes to {topic}. {near}".rstrip())
+            self.say(f"No node subscribes to {topic}. {near}".rstrip())
         elif kind not in types:
             self.say(f"Those who subscribe to {topic} want {', '.join(types)}, and not {kind}.")
         else:

@@ -312,7 +312,7 @@ def _filter(expression: str | None) -> Callable[[Any], Any]:
     try:
         code = compile(expression, "--filter", "eval")
     except SyntaxError as error:
-        raise Refusal(f"--filter is no Python expression: {error.msg}") from None
+        raise Refusal(f"--filter is not a Python expression: {error.msg}") from None
 
     def is_wanted(m: Any) -> Any:
         try:
@@ -413,7 +413,7 @@ def _fields(values: str) -> dict[str, Any]:
         fields = yaml.safe_load(values)
     except yaml.YAMLError as error:
         raise Refusal(
-            f"The values are no YAML: {error}\n"
+            f"The values are not YAML: {error}\n"
             "Write them as '{linear: {x: 0.5}}', with a blank after each colon."
         ) from None
     if not isinstance(fields, dict):

@@ -61,7 +61,7 @@ MISSPELLED_KEYWORD = Rule(
     severity=Severity.ERROR,
     summary="A command has a word that is nearly one of its keywords.",
     what="Looks for words in capitals in the calls of install(), find_package(), add_library() and "
-    "others that differ from a keyword in a letter or two and are no files.",
+    "others that differ from a keyword in a letter or two and do not name a file.",
     why="CMake takes the word for a file, a library or a component: it stops, or does not do what "
     "the keyword says.",
     example="install(DIRECTORY launch DESTNATION share/${PROJECT_NAME})",

@@ -153,7 +153,7 @@ def open_workspace(given: str | None, *, takes_packages: bool = True) -> Workspa
             if around is not None and around.source == root:
                 raise RequestError(
                     f"{root} is the folder src of a workspace, not the workspace.",
-                    hint=f"To use the workspace: -w {shlex.quote(str(around.root))}",
+                    hint=f"Name the workspace: -w {shlex.quote(str(around.root))}",
                 )
         return Workspace(root=root)
     here = current_folder()

@@ -242,7 +242,7 @@ def _questionable(file: Path, text: str, problem: str) -> Diagnostic:
         file,
         _find_line(text, problem),
         message=f"catkin_pkg warns about package.xml: {_finish(problem)}",
-        hint="The package builds all the same; REP-149 describes the format.",
+        hint="Correct it as REP-149 describes the format; the package builds all the same.",
     )
 
 

@@ -137,7 +137,7 @@ def _read_settings(package: Path) -> tuple[Settings, tuple[Diagnostic, ...]]:
                 file,
                 tomlfile.find_line(text, ("validate", key)),
                 message=f"[validate] has no key `{key}`.",
-                hint="The only key is `allow`.",
+                hint="Remove it: the only key is `allow`.",
                 severity=Severity.WARNING,
             )
             for key in sorted(set(document.get("validate", {})) - {"allow"})
@@ -163,7 +163,7 @@ def _read_allowances(
             file,
             tomlfile.find_line(text, ("check", key)),
             message=f"[check] has no key `{key}`.",
-            hint="The only key is `allow`.",
+            hint="Remove it: the only key is `allow`.",
             severity=Severity.WARNING,
         )
         for key in sorted(set(section if isinstance(section, dict) else ()) - {"allow"})

@@ -102,7 +102,10 @@ class _PushInputs:
             self._entity.on_update(lambda _: self._show_links())
             self._force: Any = gui.add_number("Force, N", _force(first), min=0.0, step=0.1)
             self._direction = gui.add_vector3(
-                "Direction", (1.0, 0.0, 0.0), step=0.1, hint="In the world; z is up."
+                "Direction",
+                (1.0, 0.0, 0.0),
+                step=0.1,
+                hint="Give it in the world; z is up.",
             )
             self._seconds = gui.add_number(
                 "For, s", PUSH_SECONDS, min=SHORTEST, max=LONGEST, step=SHORTEST

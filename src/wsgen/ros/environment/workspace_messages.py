@@ -139,7 +139,7 @@ def mistakes_in(
         of, name = match["package"], match["name"]
         if of is None and name[0].islower() and name not in PRIMITIVES:
             meant = MEANT.get(name) or nearest(name, PRIMITIVES)
-            yield number, f"{name} is no type.{f' {did_you_mean(meant)}' if meant else ''}"
+            yield number, f"{name} is not a type.{f' {did_you_mean(meant)}' if meant else ''}"
         elif of in allowed and of != package:
             folders = (prefix / "share" / of / "msg" for prefix in prefixes)
             known = {one.stem for folder in folders for one in folder.glob("*.idl")}

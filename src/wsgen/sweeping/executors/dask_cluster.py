@@ -115,7 +115,7 @@ def _connected(target: LocalCluster | str, scheduler: str) -> Client:
     thread.join(2 * seconds)
     if not clients:
         raise NotFoundError(
-            f"What answers at {scheduler} is no Dask scheduler.",
+            f"What answers at {scheduler} is not a Dask scheduler.",
             hint="Give the address that `dask scheduler` prints: --scheduler tcp://HOST:8786",
         )
     return clients[0]

@@ -144,7 +144,7 @@ class CommandServer:
             request = None
         if not isinstance(request, dict):
             return _error(
-                "The simulator does not understand the request: it is no JSON object.",
+                "The simulator does not understand the request: it is not a JSON object.",
                 'Send one like {"do": "state"} a line.',
             )
         if "error" in request:

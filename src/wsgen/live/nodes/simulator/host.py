@@ -331,17 +331,17 @@ class RobotHandle:
 
     def _sane(self, name: str, motor: Motor) -> Motor:
         """A motor without a speed that an engine cannot compute with."""
-        told = "a speed of more than {:g} rad/s or m/s"
-        speed = self._within(name, motor.speed, FASTEST, told)
+        shown = "a speed of more than {:g} rad/s or m/s"
+        speed = self._within(name, motor.speed, FASTEST, shown)
         return motor if speed == motor.speed else motor._replace(speed=speed)
 
-    def _within(self, joint: str, command: float, most: float, told: str) -> float:
+    def _within(self, joint: str, command: float, most: float, shown: str) -> float:
         """A command for a joint; 0 for NaN, and for too much for an engine, which is reported."""
         if abs(command) <= most:
             return command
         if not math.isnan(command):
             self._host.warn(
-                f"`{self.entity}`: the joint `{joint}` is told {told.format(most)}, which no "
+                f"`{self.entity}`: the joint `{joint}` is commanded {shown.format(most)}, which no "
                 "engine can follow: it gets 0. Send smaller commands."
             )
         return 0.0

@@ -188,7 +188,7 @@ class LiveSimulation:
         """Raise RefusedError if something in the world has that name."""
         if entity in self.host.robots:
             raise RefusedError(
-                f"The entity `{entity}` exists already.", "Give each robot a name of its own."
+                f"The entity `{entity}` exists already.", "Give each robot another name."
             )
 
     def spawn(self, entity: str, namespace: str = "") -> None:

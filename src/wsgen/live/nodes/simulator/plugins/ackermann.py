@@ -339,7 +339,7 @@ class ClassicAckermann(Plugin):
             if name == "rear_right":
                 if not isinstance(shape, (Cylinder, Sphere)):
                     raise CannotWorkError(
-                        f"the <collision> of the wheel `{joint.child}` is no cylinder and no "
+                        f"the <collision> of the wheel `{joint.child}` is not a cylinder or "
                         "sphere, whose radius it needs."
                     )
                 self._radius = shape.radius

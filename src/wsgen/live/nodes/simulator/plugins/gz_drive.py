@@ -87,7 +87,7 @@ def driven_joints(
                 )
     missing = [f"<{tag}>" for tag, joints in zip(tags, found, strict=True) if not joints]
     if missing:
-        raise CannotWorkError(f"it names no {' and no '.join(missing)} that the robot has.")
+        raise CannotWorkError(f"the robot does not have its {' and '.join(missing)}.")
     return found
 
 

@@ -35,7 +35,7 @@ class _GzJoints(Plugin):
         self._host, self._robot = host, robot
         self._joints = _named_joints(host, robot, element)
         if not self._joints:
-            raise CannotWorkError("it names no joint of the robot. Write <joint_name>.")
+            raise CannotWorkError("it does not name a joint of the robot. Write <joint_name>.")
         self._models = {joint.name: joint for joint in robot.robot.movable_joints}
         self._target = 0.0
 
@@ -136,7 +136,7 @@ class GzJointForce(_GzJoints):
         super().__init__(host, robot, element)
         self._joints = [name for name in self._joints if name == element.get("joint_name")]
         if not self._joints:
-            raise CannotWorkError("its first <joint_name> is no joint of the robot.")
+            raise CannotWorkError("the robot does not have its first <joint_name>.")
         self._listen_to(topics_of(host, robot, element)["command"])
         self._acting = 0.0
 
@@ -201,8 +201,8 @@ class GzJointTrajectory(Plugin):
         ]
         if not message.joint_names or not all(map(math.isfinite, values)):
             self._host.warn(
-                f"`{self._robot.entity}`: a trajectory names no joints, or has values that are no "
-                "numbers: it is not followed."
+                f"`{self._robot.entity}`: a trajectory without joints, or with values that "
+                "are not numbers, is not followed."
             )
             return
         stamp = message.header.stamp
@@ -295,7 +295,7 @@ class ClassicPoseTrajectory(Plugin):
                     f"positions[{len(point.positions)}]."
                 )
             if not all(map(math.isfinite, point.positions)):
-                return f"point[{index}] has a position that is no number."
+                return f"point[{index}] has a position that is not a number."
         return None
 
     def update(self) -> None:

@@ -72,7 +72,7 @@ class ClassicJointStates(_JointStates):
     def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
         super().__init__(host, robot, element, with_efforts=False)
         if element.find("joint_name") is None or not self._message.name:
-            raise CannotWorkError("it names no joint of the robot. Write <joint_name>s.")
+            raise CannotWorkError("it does not name a joint of the robot. Write <joint_name>s.")
         rate = number(element, "update_rate")
         self.period = 1 / rate if rate > 0 else host.step_seconds
         self._node = host.node(name=element.attributes.get("name"), ros=element.find("ros"))

@@ -45,7 +45,7 @@ class Ros2Control(Plugin):
         if not given and robot.description is not None:
             raise CannotWorkError(NO_HARDWARE)
         if not files and host.simulator == "gz":
-            raise CannotWorkError("it names no file of <parameters>. Write its path.")
+            raise CannotWorkError("it does not name a file of <parameters>. Write its path.")
         ros = element.find("ros")
         self._manager = ControllerManager(
             host.ros,

@@ -84,7 +84,7 @@ class TricycleController(Controller):
             timeout=parameters.number("cmd_vel_timeout", 500.0) * MILLISECONDS,
             unstamped=None if is_stamped else "~/cmd_vel",
             refuses_old=False,
-            not_finite="A command has speeds that are no numbers. It is ignored.",
+            not_finite="A command has speeds that are not numbers. It is ignored.",
         )
         has_tf = parameters.flag("enable_odom_tf", default=self.is_former)
         self._messages = OdometryMessages(
