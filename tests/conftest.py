@@ -143,8 +143,13 @@ def pytest_collection() -> Generator[None, object, object]:
         gc.enable()
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Put the files that take long to the front."""
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Put the files that take long to the front, and leave out what is for --thorough."""
+    if not config.getoption("--thorough"):
+        left_out = pytest.mark.skip(reason="with --thorough alone")
+        for item in items:
+            if item.get_closest_marker("thorough") is not None:
+                item.add_marker(left_out)
     places = {Path(__file__).parent / name: place for place, name in enumerate(LONGEST)}
     items.sort(key=lambda item: places.get(item.path, len(places)))
 

@@ -53,7 +53,16 @@ def found() -> dict[str, Path]:
     return dict(interpreters())
 
 
-@pytest.mark.parametrize("version", [f"{major}.{minor}" for major, minor in SUPPORTED])
+@pytest.mark.parametrize(
+    "version",
+    [
+        pytest.param(
+            f"{major}.{minor}",
+            marks=[] if f"{major}.{minor}" in AT_THE_BORDERS else pytest.mark.thorough,
+        )
+        for major, minor in SUPPORTED
+    ],
+)
 def test_new_build_validate(
     version: str, tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> None:

@@ -154,6 +154,7 @@ SAME_TILT = math.radians(0.1)
 LEANING = {"minitaur", "talos_left_arm"}
 
 
+@pytest.mark.thorough
 def test_mujoco_makes_the_same_of_them(*, thorough: bool) -> None:
     bullet, mujoco = (check(engine, thorough=thorough) for engine in ("bullet", "mujoco"))
     compared = rested = 0

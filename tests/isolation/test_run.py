@@ -219,7 +219,7 @@ def test_a_daemon_ends_with_the_child(run: Run, task: Task, end: str, tmp_path: 
             {end}
             """
         ),
-        limits=Limits(seconds=60, wall_clock=20 if "sleep" in end else BUSY),
+        limits=Limits(seconds=60, wall_clock=10 if "sleep" in end else BUSY),
     )
     assert not is_alive(int(pid_file.read_text()))
 
@@ -242,7 +242,7 @@ def test_a_child_that_ends_its_parent(
             time.sleep(600)
             """
         ),
-        limits=Limits(seconds=60, wall_clock=10 if number == "SIGSTOP" else None),
+        limits=Limits(seconds=60, wall_clock=5 if number == "SIGSTOP" else None),
     )
     assert isinstance(died, Died)
     assert number == "SIGSTOP" or died.reason == f"crashed ({number})"

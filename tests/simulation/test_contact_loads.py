@@ -115,6 +115,7 @@ ROVERS = {
     "four wheels": Rover(35.0, 0.5, 0.1, (), axles=(0.4, -0.4)),
     "heavy, four wheels": Rover(500.0, 1.0, 0.01, (), axles=(0.4, -0.4)),
 }
+LIKE_OTHERS = ("small", "thin wheels", "of a man's size", "heavy, four wheels")
 
 
 def engine(name: str) -> NewEngine:
@@ -151,7 +152,13 @@ def test_rovers_stand_as_high_and_as_level_as_in_dart(name: str) -> None:
     assert abs(ours.tilt - theirs.tilt) < SAME_TILT
 
 
-@pytest.mark.parametrize("name", ROVERS)
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.thorough if name in LIKE_OTHERS else [])
+        for name in ROVERS
+    ],
+)
 def test_rovers_go_where_they_go_in_dart(name: str) -> None:
     """Casters with the friction of tires brake them, but not for ever."""
     rover = ROVERS[name]

@@ -302,7 +302,12 @@ def chromium() -> Iterator[Chromium]:
 @needs_chromium
 @pytest.mark.parametrize(
     "name",
-    ["one text", "a grid over two parameters", "many samples of two parameters", "six parameters"],
+    [
+        "one text",
+        pytest.param("a grid over two parameters", marks=pytest.mark.thorough),
+        pytest.param("many samples of two parameters", marks=pytest.mark.thorough),
+        "six parameters",
+    ],
 )
 def test_pages_in_a_browser(name: str, chromium: Chromium, tmp_path: Path) -> None:
     file = tmp_path / "sweep.html"
