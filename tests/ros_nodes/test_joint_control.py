@@ -272,7 +272,7 @@ def test_a_trajectory_of_classic() -> None:
         for wrong, problem in (
             (trajectory((0.1, 1.0), frame="tower"), "needs a reference link [tower]"),
             (trajectory((0.1, 1.0), joint="leg"), "Joint [leg] not found"),
-            (trajectory((0.1, math.nan)), "a position that is no number"),
+            (trajectory((0.1, math.nan)), "a position that is not a number"),
         ):
             ros.send("/set_joint_trajectory", wrong)
             assert problem in errors[-1]
