@@ -46,10 +46,10 @@ def mass(number: str) -> str:
 def inertia(moments: str) -> str:
     """One link of 1 kg with these moments."""
     names = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-    told = " ".join(
+    reported = " ".join(
         f'{name}="{moment}"' for name, moment in zip(names, moments.split(), strict=True)
     )
-    return robot(link("a", f'<inertial><mass value="1"/><inertia {told}/></inertial>'))
+    return robot(link("a", f'<inertial><mass value="1"/><inertia {reported}/></inertial>'))
 
 
 def box(size: str) -> str:

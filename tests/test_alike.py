@@ -65,17 +65,17 @@ def test_the_same_words_are_said_once() -> None:
 
 
 @pytest.mark.parametrize(
-    ("elements", "lines", "told"),
+    ("elements", "lines", "reported"),
     [
         (["m", "n", "o"], [None] * 3, "`n`, `o`"),
         (["/w[@name='w']/m[@name='m']", "/w[@name='w']/m[@name='n']/l"] * 2, [None] * 4, "`n`"),
         (["m"] * 3, [1, 2, 3], "line 2, line 3"),
     ],
 )
-def test_what_tells_them_apart(elements: list[str], lines: list[int | None], told: str) -> None:
+def test_what_tells_them_apart(elements: list[str], lines: list[int | None], reported: str) -> None:
     found = [
         RULE.at(None, line, element, message=f"It sinks by {number} m.")
         for number, (element, line) in enumerate(zip(elements, lines, strict=True))
     ]
     (one,) = summed_up(found)
-    assert one.message == f"It sinks by 0 m. The same holds for {told}."
+    assert one.message == f"It sinks by 0 m. The same holds for {reported}."

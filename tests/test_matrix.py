@@ -217,7 +217,7 @@ def test_sourcing_the_workspace_tells_gazebo_where_models_are(workspace: Path) -
     for shell, setup in (("sh", "setup.sh"), ("bash", "setup.bash")):
         script = f". install/{setup} && echo $GZ_SIM_RESOURCE_PATH"
         environment = {**outside(), "COLCON_CURRENT_PREFIX": str(workspace / "install")}
-        told = subprocess.run(
+        reported = subprocess.run(
             [shell, "-c", script],
             cwd=workspace,
             env=environment,
@@ -225,7 +225,7 @@ def test_sourcing_the_workspace_tells_gazebo_where_models_are(workspace: Path) -
             text=True,
             check=True,
         )
-        folders = told.stdout.strip().split(os.pathsep)
+        folders = reported.stdout.strip().split(os.pathsep)
         assert sorted(folders) == [
             f"{workspace}/install/{package}/share"
             for case, package in sorted(PACKAGES.items())

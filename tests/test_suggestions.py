@@ -32,7 +32,7 @@ def test_only_a_few_of_many_names_are_listed() -> None:
     assert suggestions.suggest("x", names).endswith("robot_07 and 2 more.")
 
 
-def test_a_typing_mistake_is_told_from_another_name() -> None:
+def test_a_typing_mistake_is_distinguished_from_another_name() -> None:
     known = ["robot_state_publisher", "xacro", "marti_can_msgs", "ros_gz_sim", "gz_sim8_vendor"]
     known += ["nav_msgs", "std_srvs"]
     assert suggestions.misspelled_as("nav_msg", known) == "nav_msgs"

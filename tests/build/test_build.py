@@ -192,7 +192,7 @@ def test_missing_linters_do_not_stop_the_build(tmp_path: Path) -> None:
     assert cache_entry(tmp_path, "MINE") == "1"
 
 
-def test_missing_linters_are_told_once(tmp_path: Path) -> None:
+def test_missing_linters_are_reported_once(tmp_path: Path) -> None:
     for name in ("demo", "other", "third"):
         write_package(tmp_path, name, cmake=LINTED)
     (note,) = build_here(tmp_path).diagnostics

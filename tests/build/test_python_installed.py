@@ -123,7 +123,7 @@ LONG = (
 )
 
 
-def test_dashes_are_told_once(package: Path) -> None:
+def test_dashes_are_reported_once(package: Path) -> None:
     edit(package / "setup.cfg", "install_scripts", "install-scripts")
     (diagnostic,) = check(package, *LONG, *SHORT, *LONG)
     assert (diagnostic.severity, diagnostic.file) == (Severity.INFO, package / "setup.cfg")

@@ -177,7 +177,7 @@ ament_auto_package(INSTALL_TO_SHARE launch model)
 """
 
 
-def test_ament_cmake_auto_installs_what_it_is_told_to(tmp_path: Path) -> None:
+def test_ament_cmake_auto_installs_what_it_is_asked_to(tmp_path: Path) -> None:
     depends = PACKAGE_XML.replace("ament_cmake</buildtool", "ament_cmake_auto</buildtool")
     folder = write_package(tmp_path, package_xml=depends, cmake=AUTO)
     (folder / "node.cpp").write_text(PLAIN)

@@ -125,7 +125,7 @@ def test_the_build_goes_on_after_a_failure(package: Path) -> None:
     assert words.endswith("\nNext: fix the errors, or validate what is built: wsgen validate\n")
 
 
-def test_what_is_left_out_is_told_in_a_line_each(package: Path) -> None:
+def test_what_is_left_out_is_reported_in_a_line_each(package: Path) -> None:
     shutil.copytree(package, package.with_name("zlast"))
     for name in ("demo", "zlast"):
         folder = package.with_name(name)

@@ -31,9 +31,9 @@ def loaded_once(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_this_machine(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["doctor"]) == 0
-    told = capsys.readouterr()
-    lines = told.out.splitlines()
-    assert told.err == ""
+    printed = capsys.readouterr()
+    lines = printed.out.splitlines()
+    assert printed.err == ""
     assert lines[0] == "ROS 2 Iron with Gazebo Classic 11, on Ubuntu 22.04"
     assert lines[1].startswith("note: ROS 2 Iron has had no updates since 2024-12-04")
     assert lines.index(
@@ -110,23 +110,23 @@ def test_the_apt_line_says_where_it_works(
 def test_json(target: Target, capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ["--distro", target.distro, "--sim", target.simulator, "--format", "json"]
     assert run(["doctor", *arguments]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert list(told) == ["version", "passed", "target", "notes", "wsgen", "ros", "apt"]
-    assert told["passed"] is True
-    assert told["target"]["simulator"] == target.simulator
-    assert told["apt"].startswith(f"sudo apt install ros-{target.distro}-ros-core ")
-    assert {"name", "met", "required", "text", "fix"} == set(told["wsgen"][0])
-    assert not any(found["required"] for found in told["ros"])
+    printed = json.loads(capsys.readouterr().out)
+    assert list(printed) == ["version", "passed", "target", "notes", "wsgen", "ros", "apt"]
+    assert printed["passed"] is True
+    assert printed["target"]["simulator"] == target.simulator
+    assert printed["apt"].startswith(f"sudo apt install ros-{target.distro}-ros-core ")
+    assert {"name", "met", "required", "text", "fix"} == set(printed["wsgen"][0])
+    assert not any(found["required"] for found in printed["ros"])
 
 
 @pytest.mark.usefixtures("loaded_once")
 def test_every_key_is_documented(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["doctor", "--format", "json"]) == 0
-    told = json.loads(capsys.readouterr().out)
+    printed = json.loads(capsys.readouterr().out)
     page = Path(__file__).parents[2].joinpath("docs", "doctor.md").read_text(encoding="utf-8")
-    keys = [f"{key}[]" if isinstance(value, list) else key for key, value in told.items()]
-    keys += [f"target.{key}" for key in told["target"]]
-    for key in (*keys, *told["wsgen"][0]):
+    keys = [f"{key}[]" if isinstance(value, list) else key for key, value in printed.items()]
+    keys += [f"target.{key}" for key in printed["target"]]
+    for key in (*keys, *printed["wsgen"][0]):
         assert f"| `{key}` |" in page
 
 
@@ -136,11 +136,11 @@ def test_something_is_missing(
 ) -> None:
     monkeypatch.setenv("CMAKE_COMMAND", "/gone/cmake")
     assert run(["doctor", "-q", "--color", "never"]) == 1
-    told = capsys.readouterr().out
-    assert "  error  CMake  missing: CMAKE_COMMAND=/gone/cmake is not a program\n" in told
-    assert "  CMake: try: unset CMAKE_COMMAND\n" in told
-    assert "ninja" not in told
-    assert told.endswith("Fix the errors above before using wsgen.\n")
+    printed = capsys.readouterr().out
+    assert "  error  CMake  missing: CMAKE_COMMAND=/gone/cmake is not a program\n" in printed
+    assert "  CMake: try: unset CMAKE_COMMAND\n" in printed
+    assert "ninja" not in printed
+    assert printed.endswith("Fix the errors above before using wsgen.\n")
     assert run(["doctor", "--format", "json"]) == 1
     assert json.loads(capsys.readouterr().out)["passed"] is False
 
@@ -166,9 +166,9 @@ def test_wrong_request(
     arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(["doctor", *arguments]) == 2
-    told = capsys.readouterr()
-    assert told.out == ""
-    assert message in told.err
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert message in printed.err
 
 
 @pytest.mark.usefixtures("loaded_once")
@@ -177,8 +177,8 @@ def test_the_ros_of_the_environment(
 ) -> None:
     monkeypatch.setenv("ROS_DISTRO", "lyrical")
     assert run(["doctor"]) == 0
-    told = capsys.readouterr().out
-    assert told.startswith("ROS 2 Lyrical with Gazebo Jetty, on Ubuntu 26.04\n\n")
+    printed = capsys.readouterr().out
+    assert printed.startswith("ROS 2 Lyrical with Gazebo Jetty, on Ubuntu 26.04\n\n")
     monkeypatch.setenv("ROS_DISTRO", "galactic")
     assert run(["doctor"]) == 2
     assert "ROS_DISTRO=galactic" in capsys.readouterr().err

@@ -15,25 +15,25 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "templates" / "pendulum"
 
 def test_list(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["templates"]) == 0
-    told = capsys.readouterr()
-    assert re.search("^simple +The tutorial's robot: a green cylinder", told.out, re.MULTILINE)
-    assert "base" not in [line.split()[0] for line in told.out.splitlines()]
-    assert told.err == ""
+    printed = capsys.readouterr()
+    assert re.search("^simple +The tutorial's robot: a green cylinder", printed.out, re.MULTILINE)
+    assert "base" not in [line.split()[0] for line in printed.out.splitlines()]
+    assert printed.err == ""
 
 
 def test_variables(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["templates", "simple"]) == 0
-    told = capsys.readouterr().out
-    assert "targets: humble-classic, iron-classic, humble-gz" in told
-    assert "length=0.5  a number from 0.001 to 100 m      Height of the cylinder" in told
+    printed = capsys.readouterr().out
+    assert "targets: humble-classic, iron-classic, humble-gz" in printed
+    assert "length=0.5  a number from 0.001 to 100 m      Height of the cylinder" in printed
 
 
 def test_variables_of_a_template_of_the_user(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["templates", str(EXAMPLE)]) == 0
-    told = capsys.readouterr().out
-    assert "bob=sphere " in told
-    assert "one of sphere, box" in told
-    assert "joint_states=true" in told
+    printed = capsys.readouterr().out
+    assert "bob=sphere " in printed
+    assert "one of sphere, box" in printed
+    assert "joint_states=true" in printed
 
 
 def test_template_without_variables(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -90,9 +90,9 @@ def test_check_of_a_broken_template(
 ) -> None:
     folder = write_template(tmp_path, manifest, robot="{{ nothing }}")
     assert run(["templates", "--check", str(folder)]) == 1
-    told = capsys.readouterr().out
+    printed = capsys.readouterr().out
     for word in (*words, f"{folder}: failed"):
-        assert word in told
+        assert word in printed
     assert run(["templates", "--check", str(folder), "--format", "json"]) == 1
     found = json.loads(capsys.readouterr().out)
     assert (found["version"], found["passed"]) == (1, False)
@@ -112,9 +112,9 @@ def test_wrong_request(
     arguments: list[str], words: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(["templates", *arguments]) == 2
-    told = capsys.readouterr()
-    assert words in told.err
-    assert told.out == ""
+    printed = capsys.readouterr()
+    assert words in printed.err
+    assert printed.out == ""
 
 
 def test_new_from_a_template_of_the_user(
@@ -138,7 +138,7 @@ def test_new_from_a_broken_template_writes_nothing(
     (tmp_path / "here").mkdir()
     monkeypatch.chdir(tmp_path / "here")
     assert run(["new", "some_robot", "-t", "../mine"]) == 4
-    told = capsys.readouterr()
-    assert f"{folder}/robot.xacro.j2:2: 'nothing' is undefined." in told.err
-    assert told.out == ""
+    printed = capsys.readouterr()
+    assert f"{folder}/robot.xacro.j2:2: 'nothing' is undefined." in printed.err
+    assert printed.out == ""
     assert not list((tmp_path / "here").iterdir())

@@ -83,8 +83,8 @@ def give(workspace: Path, text: str, behaviors: str = BEHAVIORS) -> None:
 
 def behaviors_of(document: dict[str, Any]) -> list[dict[str, Any]]:
     (robot,) = document["packages"][0]["robots"]
-    told: list[dict[str, Any]] = robot["behaviors"]
-    return told
+    reported: list[dict[str, Any]] = robot["behaviors"]
+    return reported
 
 
 def test_a_robot_that_does_what_it_must(workspace: Path) -> None:

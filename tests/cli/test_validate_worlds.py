@@ -127,7 +127,7 @@ def test_models_that_the_launch_file_makes_known(built: Path, tmp_path: Path) ->
     assert robot["rest"]["xyz"][2] == pytest.approx(1.25, abs=0.003)
 
 
-def test_a_broken_world_is_told_and_the_package_fails(built: Path, tmp_path: Path) -> None:
+def test_a_broken_world_is_reported_and_the_package_fails(built: Path, tmp_path: Path) -> None:
     broken = block("wall", "3 0 1 0 0 0", "-1 4 2")
     code, document = validate_in(built, tmp_path, GROUND + broken)
     assert code == 1

@@ -71,7 +71,7 @@ def test_a_call_that_ends_three_children_is_given_up(
     assert executor.submit(calls.double, 4).result() == 8
 
 
-def test_what_a_call_raises_is_told(executor: LocalExecutor) -> None:
+def test_what_a_call_raises_is_reported(executor: LocalExecutor) -> None:
     with pytest.raises(ChildDiedError, match="ValueError: It is wrong"):
         executor.submit(calls.wrong).result()
 

@@ -16,8 +16,8 @@ def test_the_description_is_that_of_another_launch_file(tmp_path: Path) -> None:
     (row,) = answer.document["packages"]
     assert Path(row["launch_file"]).name == "spawn.launch.py"
     assert [robot["entity"] for robot in row["robots"]] == ["crate"]
-    (told,) = [one for one in row["diagnostics"] if one["code"] == "LCH066"]
-    assert "crate_bot rsp.launch.py publishes the robot description" in told["message"]
+    (reported,) = [one for one in row["diagnostics"] if one["code"] == "LCH066"]
+    assert "crate_bot rsp.launch.py publishes the robot description" in reported["message"]
     assert "SPN008" not in {one["code"] for one in row["diagnostics"]}
 
 
@@ -48,11 +48,11 @@ def test_the_publisher_cannot_be_evaluated(tmp_path: Path) -> None:
     )
     answer = workspace.wsgen("validate", "--format", "json")
     assert answer.code == 1
-    (told,) = [
+    (reported,) = [
         one
         for row in answer.document["packages"]
         for one in row["diagnostics"]
         if one["code"] == "SPN008"
     ]
-    assert "rsp.launch.py, which may publish it, cannot be evaluated." in told["message"]
-    assert told["hint"] == "Correct the errors of rsp.launch.py first."
+    assert "rsp.launch.py, which may publish it, cannot be evaluated." in reported["message"]
+    assert reported["hint"] == "Correct the errors of rsp.launch.py first."

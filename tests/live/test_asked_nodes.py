@@ -125,14 +125,14 @@ class Asking:
 
     def __init__(self) -> None:
         self.sent: list[tuple[str, dict[str, Any]]] = []
-        self.told: list[dict[str, Any]] | None = []
+        self.reported: list[dict[str, Any]] | None = []
         self.is_closed = False
 
     def send(self, do: str, **values: Any) -> None:
         self.sent.append((do, values))
 
     def take(self) -> list[dict[str, Any]] | None:
-        return self.told
+        return self.reported
 
     def close(self) -> None:
         self.is_closed = True
@@ -169,7 +169,7 @@ def test_a_node_that_refuses_a_transition_is_named(
         ("change", {"id": 1, "node": "/map", "transition": CONFIGURE}),
     ]
     asked.change_state(node, ACTIVATE)
-    asking.told = [
+    asking.reported = [
         {"is": "changed", "id": 1, "success": False, "error": ""},
         {"is": "changed", "id": 2, "success": False, "error": "no such name"},
         {"is": "unheard", "node": "/map", "error": "no such name"},
@@ -187,7 +187,9 @@ def test_a_node_without_states_is_named_with_those_that_have_some(
 ) -> None:
     asked.change_state(lifecycle_node(), ACTIVATE)
     service = "/map/change_state"
-    asking.told = [{"is": "missing", "id": 1, "service": service, "others": ["/m/change_state"]}]
+    asking.reported = [
+        {"is": "missing", "id": 1, "service": service, "others": ["/m/change_state"]}
+    ]
     asked.take()
     (text,) = caplog.messages
     assert text == (
@@ -212,11 +214,11 @@ def test_nothing_waits_for_a_node_that_has_ended_nor_after_the_end(
     assert asking.sent[2:] == [("drop", {"node": "/a"}), ("drop", {"node": "/b"})]
 
 
-def test_the_end_of_the_process_that_asks_is_told(
+def test_the_end_of_the_process_that_asks_is_reported(
     asked: AskedNodes, asking: Asking, caplog: pytest.LogCaptureFixture
 ) -> None:
     asked.change_state(lifecycle_node(), CONFIGURE)
-    asking.told = None
+    asking.reported = None
     assert not asked.take()
     assert asking.is_closed
     (text,) = caplog.messages
@@ -228,7 +230,7 @@ def test_what_was_followed_is_followed_by_the_next_process(
 ) -> None:
     asked.follow(lifecycle_node("/map"))
     asked.follow(lifecycle_node("/arm"))
-    asking.told = None
+    asking.reported = None
     assert not asked.take()
     (text,) = caplog.messages
     assert text == (
@@ -244,7 +246,7 @@ def test_what_was_followed_is_followed_by_the_next_process(
     ]
 
 
-def test_a_process_that_cannot_be_started_is_told_for_each_request(
+def test_a_process_that_cannot_be_started_is_reported_for_each_request(
     asking: Asking, caplog: pytest.LogCaptureFixture
 ) -> None:
     outcomes: list[Any] = [OSError(24, "Too many open files")] * 2
@@ -315,7 +317,7 @@ def test_a_container_is_given_all_of_a_node(
             "extra_arguments": {"use_intra_process_comms": True},
         },
     )
-    asking.told = [
+    asking.reported = [
         {"is": "loaded", "id": 1, "success": True, "name": "/left/proc", "error": ""},
         {"is": "loaded", "id": 2, "success": False, "name": "", "error": "no such class"},
     ]
@@ -326,7 +328,7 @@ def test_a_container_is_given_all_of_a_node(
     ]
 
 
-def test_what_a_missing_manager_of_nodes_means_is_told(launch: Callable[..., Launch]) -> None:
+def test_what_a_missing_manager_of_nodes_means_is_reported(launch: Callable[..., Launch]) -> None:
     run = launch(
         """
         return LaunchDescription([

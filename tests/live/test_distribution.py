@@ -56,6 +56,6 @@ def test_a_sourced_ros_keeps_its_own() -> None:
         )
 
     assert with_distro(ros(is_sourced=True), "humble").variables["ROS_DISTRO"] == "kilted"
-    told = with_distro(ros(is_sourced=False), "humble")
-    assert told.variables == {"ROS_DISTRO": "humble", "ROS_VERSION": "2"}
-    assert told.distro == "kilted"
+    reported = with_distro(ros(is_sourced=False), "humble")
+    assert reported.variables == {"ROS_DISTRO": "humble", "ROS_VERSION": "2"}
+    assert reported.distro == "kilted"

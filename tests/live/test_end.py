@@ -65,7 +65,7 @@ def test_ctrl_c_ends_all_and_is_no_failure(launch: Callable[..., Launch]) -> Non
     assert not any(map(is_alive, pids))
 
 
-def test_what_does_not_end_is_told_again_and_killed(launch: Callable[..., Launch]) -> None:
+def test_what_does_not_end_is_reported_again_and_killed(launch: Callable[..., Launch]) -> None:
     run = launch(STUBBORN, arguments={"kill": "0.3"})
     run.wait_for("ready")
     ended = run.live / ENDED_FILE

@@ -130,7 +130,9 @@ def test_ps_shows_what_a_program_is(begin: Callable[..., _Started]) -> None:
     assert "KeyboardInterrupt" in started.errors.read()
 
 
-def test_a_program_has_its_session_when_its_start_is_told(begin: Callable[..., _Started]) -> None:
+def test_a_program_has_its_session_when_its_start_is_reported(
+    begin: Callable[..., _Started],
+) -> None:
     for _ in range(5):
         started = begin("wait")
         os.killpg(started.forked.pid, signal.SIGINT)

@@ -143,7 +143,7 @@ def test_programs_that_wsgen_has(
 
 
 @pytest.mark.parametrize(
-    ("program", "arguments", "told"),
+    ("program", "arguments", "reported"),
     [
         ("gz", ("sim", "-r -v 4", "a.sdf"), ()),
         ("gz", ("sim", "-v 4", "a.sdf"), ("--waits-for-play",)),
@@ -153,12 +153,12 @@ def test_programs_that_wsgen_has(
     ],
 )
 def test_how_a_simulation_begins(
-    program: str, arguments: tuple[str, ...], told: tuple[str, ...]
+    program: str, arguments: tuple[str, ...], reported: tuple[str, ...]
 ) -> None:
     found = find_replacement(None, program, arguments, is_sourced=False)
     assert found is not None
     assert isinstance(found.replacement, BuiltIn)
-    assert found.replacement.arguments == told
+    assert found.replacement.arguments == reported
 
 
 @pytest.mark.parametrize(

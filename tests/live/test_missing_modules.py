@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 import pytest
 
 from wsgen.live.missing_modules import (
+    explain_module,
+    explain_numpy,
     missing_module,
     missing_name,
     newer_numpy,
-    tell_of_module,
-    tell_of_numpy,
 )
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     ],
 )
 def test_each_module_has_its_way(module: str, words: str) -> None:
-    said = tell_of_module(module, Path("/py"), ("rover_msgs",))
+    said = explain_module(module, Path("/py"), ("rover_msgs",))
     assert words in said
     assert f"the Python module {module} is missing" in said
 
@@ -93,9 +93,9 @@ def test_a_message_that_no_package_has_is_named_once(
 
 
 def test_a_sourced_ros_has_packages_for_its_modules() -> None:
-    said = tell_of_module("tf_transformations", None, (), "jazzy")
+    said = explain_module("tf_transformations", None, (), "jazzy")
     assert "sudo apt install ros-jazzy-tf-transformations" in said
-    assert "python3 -m pip install pyserial" in tell_of_module("serial", None, (), "jazzy")
+    assert "python3 -m pip install pyserial" in explain_module("serial", None, (), "jazzy")
 
 
 def test_only_the_end_of_a_traceback_counts() -> None:
@@ -105,7 +105,7 @@ def test_only_the_end_of_a_traceback_counts() -> None:
 
 
 def test_a_node_that_is_older_than_numpy(launch: Callable[..., Launch]) -> None:
-    said = tell_of_numpy("2.4", Path("/py"))
+    said = explain_numpy("2.4", Path("/py"))
     assert "/py -m pip install 'numpy<2.4'" in said
     assert (
         newer_numpy(b"AttributeError: `np.float_` was removed in the NumPy 2.0 release. U") == "2"

@@ -70,8 +70,8 @@ def test_messages_have_the_time_of_the_machine(
     monkeypatch.chdir(tmp_path)
     file = tmp_path / "said.mcap"
     began = time.time_ns()
-    told: list[Recorded] = []
-    with recording_topics(file, PYTHON, variables, use_sim_time=False, recorded=told.append):
+    reported: list[Recorded] = []
+    with recording_topics(file, PYTHON, variables, use_sim_time=False, recorded=reported.append):
         subprocess.run([PYTHON, "-c", SAY], cwd="/", env=dict(variables), check=True, timeout=300)
     with file.open("rb") as stream:
         found = [
@@ -79,9 +79,9 @@ def test_messages_have_the_time_of_the_machine(
             for _, channel, message in reader.make_reader(stream).iter_messages("/said")
         ]
     assert [topic for topic, _ in found] == ["/said", "/said"]
-    assert told[0].file == file
-    assert (told[0].messages or 0) >= len(found)
-    assert 0 <= told[0].seconds < 60  # both may come within half a millisecond
+    assert reported[0].file == file
+    assert (reported[0].messages or 0) >= len(found)
+    assert 0 <= reported[0].seconds < 60  # both may come within half a millisecond
     assert all(began < stamp < time.time_ns() for _, stamp in found)
 
 
@@ -128,8 +128,8 @@ def _record_much(
 ) -> tuple[list[tuple[int, int]], Recorded]:
     """What is recorded of SAY_MUCH: the number of each message and its time in seconds."""
     reader = pytest.importorskip("mcap.reader")
-    told: list[Recorded] = []
-    with recording_topics(file, PYTHON, variables, use_sim_time=True, recorded=told.append):
+    reported: list[Recorded] = []
+    with recording_topics(file, PYTHON, variables, use_sim_time=True, recorded=reported.append):
         (recorder,) = _pids_with(str(file))
         words = [
             str(PYTHON),
@@ -146,7 +146,7 @@ def _record_much(
             (int(message.data[8:].split()[0]), round(message.log_time * 1e-9))
             for _, _, message in reader.make_reader(stream).iter_messages("/said")
         ]
-    (one,) = told
+    (one,) = reported
     return sorted(found), one
 
 
@@ -154,19 +154,19 @@ def _record_much(
 def test_a_recorder_that_is_behind_writes_all_with_the_time_at_which_it_was_sent(
     tmp_path: Path, variables: Mapping[str, str]
 ) -> None:
-    found, told = _record_much(tmp_path / "x.mcap", variables, 1000, 1)
+    found, reported = _record_much(tmp_path / "x.mcap", variables, 1000, 1)
     assert [number for number, _ in found] == list(range(1, 301))
     assert [pair for pair in found if abs(pair[1] - pair[0]) > 1] == []
-    assert told.lost == {}
+    assert reported.lost == {}
 
 
 @pytest.mark.slow
 def test_messages_that_are_lost_are_counted(tmp_path: Path, variables: Mapping[str, str]) -> None:
-    found, told = _record_much(tmp_path / "x.mcap", variables, 1, 200_000, is_stopped=True)
+    found, reported = _record_much(tmp_path / "x.mcap", variables, 1, 200_000, is_stopped=True)
     first, last = found[0][0], found[-1][0]
     assert last == 300
     assert len(found) < 300
-    assert dict(told.lost) == {"/said": last - first + 1 - len(found)}
+    assert dict(reported.lost) == {"/said": last - first + 1 - len(found)}
 
 
 def test_ctrl_c_ends_the_writing_of_what_waits(
@@ -177,11 +177,13 @@ def test_ctrl_c_ends_the_writing_of_what_waits(
 
         returncode = 0
 
-        def __init__(self, words: list[str], _python: Path, _variables: object, told: int) -> None:
+        def __init__(
+            self, words: list[str], _python: Path, _variables: object, reported: int
+        ) -> None:
             del words
-            self.told = os.dup(told)
+            self.reported = os.dup(reported)
             self.signals: list[int] = []
-            os.write(told, b"\n")
+            os.write(reported, b"\n")
 
         def send_signal(self, number: int) -> None:
             self.signals.append(number)
@@ -189,18 +191,18 @@ def test_ctrl_c_ends_the_writing_of_what_waits(
         def wait(self, _seconds: float | None = None) -> None:
             if len(self.signals) == 1:
                 raise KeyboardInterrupt
-            os.write(self.told, b'[1.5, 20, {"/said": 3}]')
-            os.close(self.told)
+            os.write(self.reported, b'[1.5, 20, {"/said": 3}]')
+            os.close(self.reported)
 
     monkeypatch.setattr("wsgen.live.recording._start", Recorder)
     file = tmp_path / "x.mcap"
-    told: list[Recorded] = []
+    reported: list[Recorded] = []
     with (
         pytest.raises(KeyboardInterrupt),
-        recording_topics(file, PYTHON, {}, use_sim_time=True, recorded=told.append),
+        recording_topics(file, PYTHON, {}, use_sim_time=True, recorded=reported.append),
     ):
         pass
-    assert told == [Recorded(file, 1.5, 20, {"/said": 3})]
+    assert reported == [Recorded(file, 1.5, 20, {"/said": 3})]
 
 
 @pytest.mark.slow
@@ -214,11 +216,11 @@ def test_a_run_without_messages_keeps_the_earlier_recording(
     file = tmp_path / "short.mcap"
     if earlier is not None:
         file.write_bytes(earlier)
-    told: list[Recorded] = []
-    with recording_topics(file, PYTHON, variables, use_sim_time=True, recorded=told.append):
+    reported: list[Recorded] = []
+    with recording_topics(file, PYTHON, variables, use_sim_time=True, recorded=reported.append):
         pass
     assert (file.read_bytes() if file.exists() else None) == earlier
-    assert told == [Recorded(file, 0.0, 0)]
+    assert reported == [Recorded(file, 0.0, 0)]
     kept = "" if earlier is None else " The previous short.mcap is unchanged."
     assert unwritten(file) == f"{file} was not written: no message was received.{kept}"
     assert not file.with_name("short.mcap.part").exists()
@@ -250,26 +252,26 @@ def record(stream, *, when_ready, **more):
 module = types.ModuleType("wsgen.live.nodes.mcap_recording")
 module.record = record
 sys.modules[module.__name__] = module
-sys.exit(recorder.main([{file!r}, "--tell", "{told}"]))
+sys.exit(recorder.main([{file!r}, "--report-to", "{reported}"]))
 """
 
 
 @pytest.mark.parametrize("written", [b"", b"a chunk"])
-def test_a_disk_that_is_full_meanwhile_is_told_at_once(tmp_path: Path, written: bytes) -> None:
-    heard, told = os.pipe()
+def test_a_disk_that_is_full_meanwhile_is_reported_at_once(tmp_path: Path, written: bytes) -> None:
+    heard, reported = os.pipe()
     with os.fdopen(heard, "rb") as hears:
         done = subprocess.run(
             [
                 sys.executable,
                 "-c",
-                FULL.format(written=written, file=str(tmp_path / "x.mcap"), told=told),
+                FULL.format(written=written, file=str(tmp_path / "x.mcap"), reported=reported),
             ],
-            pass_fds=[told],
+            pass_fds=[reported],
             capture_output=True,
             text=True,
             check=False,
         )
-        os.close(told)
+        os.close(reported)
         assert hears.read().startswith(b"\n" + str(tmp_path).encode())
     assert done.returncode == 1
     (line,) = done.stderr.splitlines()
@@ -334,9 +336,9 @@ def driven(tmp_path: Path) -> Path:
 def test_a_drawing_says_how_far_it_is(driven: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(clock, "LOOK_EVERY", 0.001)
     heard: list[Event] = []
-    told: list[Recorded] = []
-    assert video.draw_video(driven, driven / "x.gif", told.append, heard.append) == ()
-    assert [one.file.name for one in told] == ["x.gif"]
+    reported: list[Recorded] = []
+    assert video.draw_video(driven, driven / "x.gif", reported.append, heard.append) == ()
+    assert [one.file.name for one in reported] == ["x.gif"]
     began, *went_on, ended = heard
     assert isinstance(began, StepStarted)
     assert began.takes_long  # a log says it, too
@@ -360,13 +362,13 @@ def test_a_run_that_ends_before_a_robot_comes(driven: Path, *, has_log: bool) ->
 
 
 @pytest.mark.parametrize("end", [KeyboardInterrupt(), SystemExit(143)])
-def test_a_signal_that_keeps_a_video_from_being_drawn_is_told(
+def test_a_signal_that_keeps_a_video_from_being_drawn_is_reported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, end: BaseException
 ) -> None:
-    def told_of(
+    def reported_of(
         video: Path | None, *, is_run_over: bool = True, is_drawn: bool = False
     ) -> list[Path]:
-        told: list[Path] = []
+        reported: list[Path] = []
 
         def finish(draw: Callable[[None], object]) -> None:
             if is_drawn:
@@ -374,20 +376,20 @@ def test_a_signal_that_keeps_a_video_from_being_drawn_is_told(
             raise end
 
         def run() -> None:
-            with drawing(video, tmp_path, finish, unfinished=told.append):
+            with drawing(video, tmp_path, finish, unfinished=reported.append):
                 if not is_run_over:
                     raise end
 
         with pytest.raises(type(end)):
             run()
-        return told
+        return reported
 
     def draw(_folder: Path, file: Path, recorded: Callable[[Recorded], None], _: object) -> None:
         recorded(Recorded(file, 1.0))
 
     monkeypatch.setattr("wsgen.live.run.draw_video", draw)
     file = tmp_path / "x.gif"
-    assert told_of(file) == [file]
-    assert told_of(file, is_run_over=False) == [file]  # the topics were being recorded
-    assert told_of(file, is_drawn=True) == []
-    assert told_of(None, is_run_over=False) == []
+    assert reported_of(file) == [file]
+    assert reported_of(file, is_run_over=False) == [file]  # the topics were being recorded
+    assert reported_of(file, is_drawn=True) == []
+    assert reported_of(None, is_run_over=False) == []

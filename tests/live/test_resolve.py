@@ -21,7 +21,7 @@ from wsgen.live.resolve import Resolved, Resolver
     ],
 )
 @pytest.mark.parametrize("is_sourced", [False, True])
-def test_programs_of_ros_are_told_from_those_of_the_user(
+def test_programs_of_ros_are_distinguished_from_those_of_the_user(
     package: str, executable: str, role: str, *, is_sourced: bool, tmp_path: Path
 ) -> None:
     """Where ROS is sourced, its own robot_state_publisher runs, which is not the user's either."""

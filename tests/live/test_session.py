@@ -101,7 +101,7 @@ def test_lines_of_the_user_are_not_lost_among_those_of_standard_programs(
     writer.printed("bridge-3", [b"[WARN] [1.0] [x]: No such type", b"Traceback (most recent"])
     journal = Journal(tmp_path)
     journal.read()
-    assert list(journal.telling) == [
+    assert list(journal.important) == [
         "[driver-4] [INFO] [1.0] [driver]: I drive.",
         "[driver-4] by print()",
         "[launch] [ERROR] [gz-1]: it died",
@@ -517,7 +517,7 @@ def test_answers_that_nobody_waits_for_are_left_out(
     assert rig.session.advance(0.25) == 0.25
 
 
-def test_what_was_reported_is_told(rig: Rig) -> None:
+def test_what_was_reported_is_in_the_report(rig: Rig) -> None:
     file = Path("a.launch.py")
     rig.reported.append(
         UNUSED_ARGUMENT.at(file, None, "wrold", message="`wrold` has no effect.", hint="Remove it.")

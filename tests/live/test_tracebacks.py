@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from wsgen.live.failures import FailedProgram, read_failures
-from wsgen.live.tracebacks import CHAINED, MOST_SECONDS_AFTER, LastTraceback, tell_of_source
+from wsgen.live.tracebacks import CHAINED, MOST_SECONDS_AFTER, LastTraceback, explain_source
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -105,14 +105,14 @@ def test_what_a_program_prints_need_not_be_a_file(
     loop.symlink_to(loop)
     shares = {tmp_path / "install" / "share" / "rover": source.parent}
     wrong = [(Path("/a\0b"), 1), (loop, 1), (Path("<string>"), 1)]
-    assert tell_of_source(wrong, shares) is None
+    assert explain_source(wrong, shares) is None
     monkeypatch.chdir(tmp_path)
-    found = tell_of_source([*wrong, (link, 2)], shares)
+    found = explain_source([*wrong, (link, 2)], shares)
     assert found == "line 2 of driver.py is line 2 of src/driver.py: correct it there"
     here.mkdir()
     monkeypatch.chdir(here)
     here.rmdir()
-    assert f"line 2 of {source}" in (tell_of_source([(link, 2)], shares) or "")
+    assert f"line 2 of {source}" in (explain_source([(link, 2)], shares) or "")
 
 
 def test_the_source_of_a_mistake_is_named_once(

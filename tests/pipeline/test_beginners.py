@@ -131,13 +131,13 @@ def test_the_package_is_sound(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("way", WAYS)
-def test_each_way_is_told_with_what_to_do(tmp_path: Path, way: str) -> None:
+def test_each_way_is_reported_with_what_to_do(tmp_path: Path, way: str) -> None:
     (file, old, new), expected = WAYS[way]
     package, outcome = check_cart(tmp_path, {file: (old, new)})
-    told = {
+    reported = {
         (one.name, one.file.relative_to(package).as_posix()): one.hint
         for one in outcome.diagnostics
         if one.file is not None and one.line is not None
     }
-    assert expected <= {*told}, told
-    assert all(told[one] for one in expected)
+    assert expected <= {*reported}, reported
+    assert all(reported[one] for one in expected)

@@ -176,7 +176,7 @@ def test_the_worst_of_an_engine_is_reported() -> None:
     assert disagree.message.endswith("DART differs: in DART it comes to rest.")
 
 
-def test_a_robot_on_a_hull_is_told_why_engines_disagree() -> None:
+def test_a_robot_on_a_hull_says_why_engines_disagree() -> None:
     class OnHull(Engines):
         def __call__(self, task: str, *arguments: Any, **more: Any) -> Answered | Died:
             answer = super().__call__(task, *arguments, **more)
@@ -262,7 +262,9 @@ class Falling(Engines):
 
 
 @pytest.mark.parametrize("engines", [("bullet",), ("bullet", "dart")])
-def test_a_consequence_is_told_with_its_cause_of_the_same_robot(engines: tuple[str, ...]) -> None:
+def test_a_consequence_is_reported_with_its_cause_of_the_same_robot(
+    engines: tuple[str, ...],
+) -> None:
     without = replace(prepared("a"), diagnostics=(NOTHING_TO_TOUCH,))
     robots = [without, prepared("b")]
     request = ValidateRequest(engines=engines)
@@ -278,7 +280,7 @@ def test_a_consequence_is_told_with_its_cause_of_the_same_robot(engines: tuple[s
     assert cause.message.startswith("No link has a <collision>. In the simulation, the robot falls")
 
 
-def test_scenery_that_falls_for_what_is_told_of_it_stays_a_warning() -> None:
+def test_scenery_that_falls_as_is_reported_of_it_stays_a_warning() -> None:
     ball = replace(prepared("ball"), is_static_model=True, diagnostics=(NOTHING_TO_TOUCH,))
     robots = [ball, prepared("a")]
     outcome = simulate_robots(WORLD, robots, ValidateRequest(), "name", run=Falling("ball"))

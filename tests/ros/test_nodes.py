@@ -116,7 +116,7 @@ def test_frames_and_what_shows_them(environment: dict[str, str], tmp_path: Path)
     assert f"No node is found in ROS_DOMAIN_ID {environment['ROS_DOMAIN_ID']}." in refused.stderr
 
 
-def told(
+def reported(
     *words: str,
     environment: dict[str, str],
     holds: Callable[[subprocess.CompletedProcess[str]], bool] = lambda run: run.returncode == 0,
@@ -129,7 +129,7 @@ def told(
 
 
 def echoed(topic: str, environment: dict[str, str], *options: str) -> str:
-    return told("topic", "echo", topic, "--once", *options, environment=environment).stdout
+    return reported("topic", "echo", topic, "--once", *options, environment=environment).stdout
 
 
 def check_frames(environment: dict[str, str]) -> None:
@@ -155,19 +155,19 @@ def check_topics(environment: dict[str, str]) -> None:
         "/joint_states [sensor_msgs/msg/JointState]",
         "/tf_static [tf2_msgs/msg/TFMessage]",
     }
-    told("topic", "list", "-t", environment=environment, holds=lambda run: both <= _lines(run))
-    type_of_tf = told("topic", "type", "/tf", environment=environment)
+    reported("topic", "list", "-t", environment=environment, holds=lambda run: both <= _lines(run))
+    type_of_tf = reported("topic", "type", "/tf", environment=environment)
     assert type_of_tf.stdout == "tf2_msgs/msg/TFMessage\n"
     info = "Type: std_msgs/msg/String\nPublisher count: 1\nSubscription count: 1\n"
     described = ("topic", "info", "/robot_description")
-    told(*described, environment=environment, holds=lambda run: run.stdout == info)
+    reported(*described, environment=environment, holds=lambda run: run.stdout == info)
     description = yaml.safe_load(echoed("/robot_description", environment, "-f").split("---")[0])
     assert description["data"] == ROBOT
     states = yaml.safe_load(echoed("/joint_states", environment).split("---")[0])
     np.testing.assert_allclose(states["position"], [1.2, 0.7])
     meant = "Did you mean /joint_states?"
     missing = ("topic", "echo", "/joint_state")
-    told(
+    reported(
         *missing,
         environment=environment,
         holds=lambda run: run.returncode == 1 and meant in run.stderr,
@@ -255,9 +255,9 @@ def check_nodes(environment: dict[str, str]) -> None:
             and shown[2].startswith("/static_transform_publisher_")
         )
 
-    told("node", "list", environment=environment, holds=names_all)
+    reported("node", "list", environment=environment, holds=names_all)
     begin = "/robot_state_publisher\n  Subscribers:\n    /joint_states: sensor_msgs"
-    info = told(
+    info = reported(
         *("node", "info", "/robot_state_publisher"),
         environment=environment,
         holds=lambda run: run.stdout.startswith(begin),

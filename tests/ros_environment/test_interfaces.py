@@ -100,14 +100,16 @@ def test_the_compiler_of_the_system(tmp_path: Path) -> None:
     assert chosen.cxx == ("ccache", "g++")
 
 
-def test_a_python_without_headers_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_python_without_headers_is_reported(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(sysconfig, "get_path", lambda _: str(tmp_path))
     with pytest.raises(NotFoundError, match=r"Python\.h is missing") as caught:
         python_headers()
     assert f"python{sysconfig.get_python_version()}-dev" in caught.value.hint
 
 
-def test_the_errors_of_a_compiler_are_told() -> None:
+def test_the_errors_of_a_compiler_are_reported() -> None:
     command = ["sh", "-c", "echo 'x.c:1: error: no' >&2; echo more >&2; exit 1"]
     with pytest.raises(NotFoundError, match=r"sh does not compile messages: x\.c:1: error: no\n"):
         compiler.run_all([command], environment={"PATH": "/usr/bin:/bin"})

@@ -147,7 +147,7 @@ def test_nothing_is_downloaded_without_the_extra(
         (("linux", "x86_64", (3, 9)), "wsgen runs on Python 3.9"),
     ],
 )
-def test_machines_without_wheels_are_told(
+def test_machines_without_wheels_are_reported(
     machine: tuple[str, str, tuple[int, int]], said: str
 ) -> None:
     reason = why_not(*machine)

@@ -140,7 +140,7 @@ def test_pip_without_a_connection() -> None:
 
 
 @pytest.mark.slow
-def test_what_pip_says_is_told(tmp_path: Path) -> None:
+def test_what_pip_says_is_reported(tmp_path: Path) -> None:
     environment = {**os.environ, "PIP_NO_INDEX": "1", "PIP_FIND_LINKS": str(tmp_path)}
     with pytest.raises(NotFoundError) as caught:
         download(["no-such==1"], tmp_path, environment=environment, listener=silent, step=("ros",))

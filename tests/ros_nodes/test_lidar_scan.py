@@ -127,12 +127,12 @@ def test_resolution_makes_more_rays() -> None:
         ({"samples": 10**9}, "rays"),
     ],
 )
-def test_what_makes_no_scan_is_told(arguments: dict[str, float], expected: str) -> None:
+def test_what_makes_no_scan_is_reported(arguments: dict[str, float], expected: str) -> None:
     with pytest.raises(CannotWorkError, match=expected):
         lidar(**arguments)  # type: ignore[arg-type]
 
 
-def test_what_is_no_number_is_told() -> None:
+def test_what_is_no_number_is_reported() -> None:
     text = "<ray><scan><horizontal><samples>many</samples></horizontal></scan></ray>"
     with pytest.raises(CannotWorkError, match="many"):
         read_lidar(element(text))

@@ -218,7 +218,7 @@ def test_intrinsics_may_be_written() -> None:
         ("<camera><horizontal_fov>wide</horizontal_fov></camera>", "wide"),
     ],
 )
-def test_what_makes_no_picture_is_told(text: str, expected: str) -> None:
+def test_what_makes_no_picture_is_reported(text: str, expected: str) -> None:
     with pytest.raises(CannotWorkError, match=expected):
         read_camera(element(text), measures_depth=False)
 

@@ -524,7 +524,7 @@ def moving_at(speed: float, turning: float = 0.0) -> Any:
 
 @pytest.mark.parametrize("simulator", DRIVES)
 @pytest.mark.parametrize(
-    ("wheels", "motion", "told"),
+    ("wheels", "motion", "reported"),
     [
         ((5.0, 5.0), moving_at(0.1), "for 1.00 m, and it has moved 0.20 m"),
         ((5.0, 5.0), moving_at(0.4), None),
@@ -535,7 +535,7 @@ def moving_at(speed: float, turning: float = 0.0) -> Any:
     ],
 )
 def test_wheels_that_slip(
-    wheels: tuple[float, float], motion: Any, told: str | None, simulator: str
+    wheels: tuple[float, float], motion: Any, reported: str | None, simulator: str
 ) -> None:
     def turned(seconds: float) -> dict[str, float]:
         return {"left": wheels[0] * seconds, "right": wheels[1] * seconds}
@@ -544,8 +544,8 @@ def test_wheels_that_slip(
     simulation, ros = spawned(DRIVES[simulator], simulator=simulator, engine=engine)
     simulation.advance(4.5)
     warnings = [text for _, text in ros.lines if "slip" in text]
-    assert len(warnings) == (told is not None)
-    assert told is None or told in warnings[0]
+    assert len(warnings) == (reported is not None)
+    assert reported is None or reported in warnings[0]
 
 
 def with_friction(wheels: Surface, caster: float) -> Any:

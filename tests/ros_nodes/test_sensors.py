@@ -224,7 +224,7 @@ def test_old_clouds() -> None:
         ('<sensor name="s" type="ray"><update_rate>fast</update_rate></sensor>', "`fast`"),
     ],
 )
-def test_what_does_not_work_is_told(text: str, expected: str) -> None:
+def test_what_does_not_work_is_reported(text: str, expected: str) -> None:
     ros = run(mounted(text))
     (warning,) = ros.warnings
     assert expected in warning

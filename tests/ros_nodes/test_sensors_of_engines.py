@@ -122,7 +122,7 @@ def test_a_bumper_feels_what_it_stands_on_and_what_stands_on_it(engine: Any) -> 
         assert turn == pytest.approx(-2 * 9.8 * 0.05, rel=0.1)
 
 
-def test_contacts_of_gazebo_sim_are_told_while_something_touches(engine: Any) -> None:
+def test_contacts_of_gazebo_sim_are_reported_while_something_touches(engine: Any) -> None:
     """As gz-sim, src/systems/contact/Contact.cc, says it."""
     bumper = (
         '<sensor name="bumper" type="contact"><update_rate>100</update_rate><contact>'

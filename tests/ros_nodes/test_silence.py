@@ -136,7 +136,7 @@ def test_a_run_may_end_after_it_was_found(tmp_path: Path) -> None:
     assert "rover" not in silence(Node(), run._replace(domain="6")).nothing_runs()
 
 
-def test_who_waits_is_told_for_what_once(capsys: pytest.CaptureFixture[str]) -> None:
+def test_who_waits_says_for_what_once(capsys: pytest.CaptureFixture[str]) -> None:
     alone = silence(Node())
     for _ in range(3):
         alone.waits(None)

@@ -392,7 +392,7 @@ def test_what_comes_with_the_name_of_a_prepared_robot_is_prepared_anew(tmp_path:
     server.close()
 
 
-def test_names_that_ros_refuses_are_told_and_all_else_goes_on(tmp_path: Path) -> None:
+def test_names_that_ros_refuses_are_reported_and_all_else_goes_on(tmp_path: Path) -> None:
     from wsgen.live.nodes.simulator.commands import CommandServer, _Connection  # noqa: PLC0415
     from wsgen.live.nodes.simulator.names import node_name  # noqa: PLC0415
 

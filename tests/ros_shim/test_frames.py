@@ -276,7 +276,7 @@ def test_what_is_no_transform_is_refused(
     assert frames.names() == []
 
 
-def test_the_cache_reaches_back_as_far_as_it_is_told() -> None:
+def test_the_cache_reaches_back_as_far_as_it_is_asked_to() -> None:
     frames = Recorder(cache=2 * SECOND)
     for stamp in range(1, 8):
         frames.put("map", "base", stamp)

@@ -157,7 +157,7 @@ def test_messages_without_dependencies() -> None:
     assert "<exec_depend>rosidl_default_runtime<" in (found[1].hint or "")
 
 
-def test_messages_are_told_by_what_is_installed(tmp_path: Path) -> None:
+def test_messages_are_known_by_what_is_installed(tmp_path: Path) -> None:
     source = tmp_path / "Reach.msg"
     source.write_text("")
     required = RequiredPackage(

@@ -116,5 +116,5 @@ def test_a_text_that_is_too_large() -> None:
         ("", False),
     ],
 )
-def test_sdf_is_told_from_urdf(content: str, *, expected: bool) -> None:
+def test_sdf_is_distinguished_from_urdf(content: str, *, expected: bool) -> None:
     assert is_sdf(content) is expected

@@ -21,7 +21,7 @@ UPRIGHT = Pose((0.0, 0.0, RADIUS + 0.005))
 
 
 @pytest.mark.slow
-def test_a_robot_of_the_right_size_goes_where_it_is_told(new_engine: NewEngine) -> None:
+def test_a_robot_of_the_right_size_goes_where_it_is_sent(new_engine: NewEngine) -> None:
     ahead, turned, both = simulated(
         new_engine,
         two_wheeled(),
@@ -146,7 +146,7 @@ def test_a_joint_that_mimics_follows(new_engine: NewEngine) -> None:
     assert reached.positions["j2"] == pytest.approx(0.9, abs=0.02)
 
 
-def test_a_motor_is_as_strong_as_it_is_told(new_engine: NewEngine) -> None:
+def test_a_motor_is_as_strong_as_it_may_be(new_engine: NewEngine) -> None:
     with spawned(new_engine, lift(), world=SPACE) as engine:
         engine.drive("e", {"cabin": Motor(speed=1e3, effort=3.0)})
         engine.advance(500)

@@ -227,7 +227,7 @@ def test_the_ground_is_no_link(new_engine: NewEngine) -> None:
         assert engine.overlaps() == []
 
 
-def test_only_what_is_told_to_collides_with_itself(new_engine: NewEngine) -> None:
+def test_only_what_is_asked_to_collides_with_itself(new_engine: NewEngine) -> None:
     """Two cubes on slides, one in the other, in space: they are pushed apart or not."""
     moved = {}
     for collide in (True, False):

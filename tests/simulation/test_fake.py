@@ -23,7 +23,7 @@ def test_it_is_an_engine() -> None:
     assert engine.spawn(SpawnedRobot(entity="e", robot=pendulum())) == Loaded(1, 1, 1.0)
 
 
-def test_it_refuses_whom_it_is_told_to() -> None:
+def test_it_refuses_whom_it_is_asked_to() -> None:
     engine = FakeEngine(sinking, refuses=frozenset({"bad"}))
     assert isinstance(engine.spawn(SpawnedRobot(entity="bad", robot=pendulum())), Refused)
     assert isinstance(engine.spawn(SpawnedRobot(entity="good", robot=pendulum())), Loaded)
@@ -53,7 +53,7 @@ def test_it_goes_on_with_the_script_where_it_is_placed() -> None:
     assert engine.state("e").xyz[2] == 1.0
 
 
-def test_what_else_it_is_told() -> None:
+def test_what_else_it_is_asked_to_do() -> None:
     overlap = Overlap("e", "a", "e", "b", 0.1)
     engine = FakeEngine(sinking, overlapping=[overlap])
     assert engine.overlaps() == [overlap]

@@ -104,8 +104,8 @@ def test_a_template_without_end_is_ended(
     monkeypatch.setattr("wsgen.templating.render_apart.SPARE_SECONDS", 0.7)
     template = load(write_template(tmp_path, robot=robot))
     tree, diagnostics = render_tree_apart(spec_for(template), template, seconds=0.3)
-    told = [f"{found.file}:{found.line}: {found.message}" for found in diagnostics]
-    assert any(words in one for one in told), told
+    reported = [f"{found.file}:{found.line}: {found.message}" for found in diagnostics]
+    assert any(words in one for one in reported), reported
     assert "model/robot.xacro" not in tree
 
 

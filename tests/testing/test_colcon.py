@@ -58,10 +58,12 @@ def test_a_user_tips_the_robot_over_and_fixes_it(workspace: Path) -> None:
     assert "0 errors, 0 failures" in colcon(workspace, "test-result")  # it is not built
     colcon(workspace, "build")
     colcon(workspace, "test")
-    told = colcon(workspace, "test-result", "--verbose", expect=1)
+    reported = colcon(workspace, "test-result", "--verbose", expect=1)
     picture = "build/rover/test_results/rover/test_robot/test_robot-test_stands.png"
-    _, _, junit = told.partition("test_robot.xunit.xml: 2 tests, 0 errors, 1 failure, 0 skipped")
-    assert "error[SPN059] tips-over: The robot tips over by " in junit, told
+    _, _, junit = reported.partition(
+        "test_robot.xunit.xml: 2 tests, 0 errors, 1 failure, 0 skipped"
+    )
+    assert "error[SPN059] tips-over: The robot tips over by " in junit, reported
     assert f"picture: {workspace / picture}" in junit
     assert (workspace / picture).is_file()
     robot.write_text(right, encoding="utf-8")

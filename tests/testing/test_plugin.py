@@ -297,14 +297,16 @@ def test_each_test_has_files_of_its_own(
     options = ("--import-mode=importlib", "--wsgen-output=shots", "--rootdir", workspace / "src")
     run = run_pytest(folder / "one", folder / "other", *options)
     assert "4 failed, 2 passed" in run.stdout, run.stdout
-    told = [file for file in re.findall("(?m)^picture: (.*)$", run.stdout) if Path(file).is_file()]
-    assert len(set(told)) == 4
-    assert {Path(file).parent for file in told} == {tmp_path / "shots" / "rover"}
+    reported = [
+        file for file in re.findall("(?m)^picture: (.*)$", run.stdout) if Path(file).is_file()
+    ]
+    assert len(set(reported)) == 4
+    assert {Path(file).parent for file in reported} == {tmp_path / "shots" / "rover"}
     shutil.rmtree(folder / "one")
     shutil.rmtree(folder / "other")
 
 
-def test_a_test_in_no_package_is_told_to_name_one(run_pytest: Pytest, tmp_path: Path) -> None:
+def test_a_test_in_no_package_is_asked_to_name_one(run_pytest: Pytest, tmp_path: Path) -> None:
     (tmp_path / "test_alone.py").write_text("def test_alone(robot): ...\n")
     run = run_pytest("test_alone.py")
     words = (

@@ -70,7 +70,7 @@ class FakeViewer:
         self.summary = ""
         self.diagnostics = ""
         self.poses: list[Mapping[str, Mapping[str, Pose]]] = []
-        self.told: list[tuple[str, bool]] = []
+        self.reported: list[tuple[str, bool]] = []
 
     def show(self, robots: Sequence[DrawnRobot], *, links: str) -> None:
         self.robots.append(robots)
@@ -82,5 +82,5 @@ class FakeViewer:
     def put(self, poses: Mapping[str, Mapping[str, Pose]]) -> None:
         self.poses.append(poses)
 
-    def tell(self, text: str, *, is_running: bool) -> None:
-        self.told.append((text, is_running))
+    def notify(self, text: str, *, is_running: bool) -> None:
+        self.reported.append((text, is_running))

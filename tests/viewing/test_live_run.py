@@ -71,7 +71,7 @@ class Viewer(FakeViewer):
     @property
     def text(self) -> str:
         """What is shown, without the escapes of Markdown."""
-        return re.sub(r"\\(.)", r"\1", self.told[-1][0])
+        return re.sub(r"\\(.)", r"\1", self.reported[-1][0])
 
     @property
     def entities(self) -> list[str]:
@@ -102,7 +102,7 @@ class Run:
         """Answer what is asked until something holds."""
         last = time.monotonic() + SECONDS
         while not holds():
-            assert time.monotonic() < last, self.viewer.told[-1]
+            assert time.monotonic() < last, self.viewer.reported[-1]
             self.took_time += self.server.answer()
             time.sleep(0.001)
 
@@ -192,7 +192,7 @@ def test_a_robot_that_goes_while_it_is_asked_for_is_not_shown(tmp_path: Path) ->
     assert view._ask_for("guest") is None
 
 
-def test_a_model_that_stands_still_is_told_of_when_it_is_put_elsewhere(
+def test_a_model_that_stands_still_is_shown_when_it_is_put_elsewhere(
     start: Callable[..., Run],
 ) -> None:
     from wsgen.model.transform import Pose  # noqa: PLC0415
@@ -212,11 +212,11 @@ def test_the_buttons_do_what_the_services_of_the_simulator_do(start: Callable[..
     run.simulation.advance(2.0)
     control = run.simulation.control
     run.looks()
-    assert run.viewer.told[-1][1]
+    assert run.viewer.reported[-1][1]
     run.viewer.commands.put(SetRunning(False))
     run.until(lambda: control.is_paused)
     run.until(lambda: run.viewer.text.endswith(", paused"))
-    assert not run.viewer.told[-1][1]
+    assert not run.viewer.reported[-1][1]
     run.viewer.commands.put(Step(0.25))
     run.until(lambda: control.seconds == pytest.approx(0.25))
     assert control.passes
@@ -276,24 +276,24 @@ def test_without_a_page_nothing_is_run(tmp_path: Path) -> None:
     def fail() -> Viewer:
         raise ValueError("no page")
 
-    told: list[BaseException] = []
+    reported: list[BaseException] = []
     with (
         pytest.raises(ValueError, match="no page"),
-        showing_run(tmp_path, fail, LAUNCHED, told.append),
+        showing_run(tmp_path, fail, LAUNCHED, reported.append),
     ):
         pytest.fail("it is run")
-    assert not told
+    assert not reported
 
 
-def test_what_ends_the_view_is_told_at_once_and_the_run_goes_on(tmp_path: Path) -> None:
+def test_what_ends_the_view_is_reported_at_once_and_the_run_goes_on(tmp_path: Path) -> None:
     viewer = Viewer()
     del viewer.commands  # which it looks at
-    told = threading.Event()
+    reported = threading.Event()
     ended: list[str] = []
 
     def run() -> None:
-        with showing_run(tmp_path, lambda: viewer, LAUNCHED, lambda _: told.set()):
-            assert told.wait(SECONDS)
+        with showing_run(tmp_path, lambda: viewer, LAUNCHED, lambda _: reported.set()):
+            assert reported.wait(SECONDS)
             ended.append("by itself")
 
     with pytest.raises(AttributeError, match="commands"):

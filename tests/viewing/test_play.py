@@ -119,7 +119,7 @@ class Game:
     @property
     def text(self) -> str:
         """What is shown, without the escapes of Markdown."""
-        return re.sub(r"\\(.)", r"\1", self.viewer.told[-1][0])
+        return re.sub(r"\\(.)", r"\1", self.viewer.reported[-1][0])
 
 
 @pytest.fixture
@@ -152,7 +152,7 @@ def test_paused_it_stands_still_and_goes_on_later(game: Game) -> None:
     before = game.sessions[0].seconds
     assert before == pytest.approx(1.0, abs=0.05)
     assert game.text.endswith(", paused")
-    assert game.viewer.told[-1][1] is False
+    assert game.viewer.reported[-1][1] is False
     game.play(1.0, SetRunning(is_running=True))
     assert game.sessions[0].seconds == pytest.approx(before + 1.0, abs=0.05)
 
@@ -189,7 +189,7 @@ def test_an_engine_that_dies_is_started_again_by_reset(game: Game) -> None:
     game.play(0.5)
     assert "The engine died." in game.text
     game.play(0.5, SetRunning(is_running=True))  # which does not help
-    assert game.viewer.told[-1][1] is False
+    assert game.viewer.reported[-1][1] is False
     game.play(0.5, Reset())
     assert game.sessions[0].is_closed
     assert game.sessions[1].seconds == pytest.approx(0.5, abs=0.05)
@@ -197,12 +197,12 @@ def test_an_engine_that_dies_is_started_again_by_reset(game: Game) -> None:
     assert game.sessions[1].is_closed
 
 
-def test_a_push_of_what_is_not_simulated_is_told(game: Game) -> None:
+def test_a_push_of_what_is_not_simulated_is_reported(game: Game) -> None:
     game.play(0.1, Push("nobody", None, (1.0, 0.0, 0.0), 0.2))
     assert "no robot `nobody`" in game.text
 
 
-def test_a_robot_that_the_engine_refuses_is_told(game: Game) -> None:
+def test_a_robot_that_the_engine_refuses_is_reported(game: Game) -> None:
     game.sessions[0].refused = {"cart": Refused("it has 200 links", "Take fewer.")}
     game.play(0.1)
     assert "cart is not simulated: it has 200 links." in game.text
@@ -213,7 +213,7 @@ def test_what_users_write_is_no_markup(game: Game) -> None:
     game.sessions[0].states = {}
     game.player._fail("The robot `<script>` {died}")
     game.play(0.1)
-    shown = game.viewer.told[-1][0]
+    shown = game.viewer.reported[-1][0]
     assert not re.search(r"(?<!\\)[<>`{}]", shown), shown
 
 
@@ -260,4 +260,4 @@ def test_a_real_box_falls_and_slides(monkeypatch: pytest.MonkeyPatch) -> None:
     x, _, z = viewer.poses[-1]["box"]["base"].xyz
     assert z == pytest.approx(0.1, abs=0.02)
     assert x > 0.05
-    assert viewer.told[-1] == ("**1.20 s** simulated, paused", False)
+    assert viewer.reported[-1] == ("**1.20 s** simulated, paused", False)

@@ -137,7 +137,7 @@ def test_what_catkin_pkg_refuses(
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "line", "told"),
+    ("old", "new", "line", "reported"),
     [
         ("</license>", "", 7, ("<license> is not closed", "Add </license>")),
         ("</license>", "</licens>", 7, ("<license> is closed by </licens>", "Write </license>")),
@@ -156,13 +156,13 @@ def test_what_catkin_pkg_refuses(
     ],
 )
 def test_mistakes_of_xml(
-    old: str, new: str, line: int, told: tuple[str, str], tmp_path: Path
+    old: str, new: str, line: int, reported: tuple[str, str], tmp_path: Path
 ) -> None:
     found = read_manifest(write(tmp_path, PACKAGE_XML.replace(old, new)))
     assert isinstance(found, Diagnostic)
     assert (found.code, found.line) == ("PKG001", line)
-    assert told[0] in found.message
-    assert told[1] in (found.hint or "")
+    assert reported[0] in found.message
+    assert reported[1] in (found.hint or "")
 
 
 MAINTAINER = '<maintainer email="somebody@example.com">Somebody</maintainer>'

@@ -157,23 +157,23 @@ class ValidateTask(TaskExtensionPoint):  # type: ignore[misc]  # colcon is not t
             old.unlink(missing_ok=True)
         words = _words(self.package, self.folder, self.folders, self.context.args)
         post = self.context.put_event_into_queue
-        told: list[bytes] = []  # its progress, or why it cannot do what it is asked for
+        reported: list[bytes] = []  # its progress, or why it cannot do what it is asked for
 
-        def tell(line: bytes) -> None:
-            told.append(line)
+        def notify(line: bytes) -> None:
+            reported.append(line)
             post(StdoutLine(line))  # what is on standard error is a problem to colcon
 
         here = str(Path.cwd())
         post(Command(words, cwd=here, env=None, shell=False))
-        done = await run(words, lambda line: post(StdoutLine(line)), tell, cwd=here)
+        done = await run(words, lambda line: post(StdoutLine(line)), notify, cwd=here)
         code: int = done.returncode
         post(CommandEnded(words, cwd=here, env=None, shell=False, returncode=code))
         self.has_ended = code not in INTERRUPTED
         self.result = read_result(report) if code in {EXIT_PASSED, EXIT_FAILED} else None
         if self.result is None:
-            for line in told:
+            for line in reported:
                 post(StderrLine(line))
-            texts = [line.decode(errors="replace").rstrip() for line in told]
+            texts = [line.decode(errors="replace").rstrip() for line in reported]
             self.problem = _problem(texts)
             return code or EXIT_FAILED
         # colcon shows standard error of jobs that fail, and nothing else.

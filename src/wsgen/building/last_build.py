@@ -97,7 +97,7 @@ def _last_log(workspace: Workspace, package: str) -> Path | None:
 
 
 def _result_in(log: Path, package: str) -> str | None:
-    """The result of a package; empty where its build did not end, None where nothing tells."""
+    """The result of a package; empty where its build did not end, None where nothing says it."""
     text = _read(log / "events.log")
     events = re.findall(_EVENT.format(re.escape(package)), text, re.MULTILINE)
     return events[-1] if events else None

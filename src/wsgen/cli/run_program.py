@@ -190,12 +190,12 @@ def _warnings(
     from pathlib import Path
 
     from wsgen.live.lacking import lacking_modules, syntax_error
-    from wsgen.live.missing_modules import tell_of_module
-    from wsgen.live.tracebacks import tell_of_source
+    from wsgen.live.missing_modules import explain_module
+    from wsgen.live.tracebacks import explain_source
 
     for module in lacking_modules(words, variables):
-        yield tell_of_module(module, Path(words[0]), packages)
+        yield explain_module(module, Path(words[0]), packages)
     wrong = syntax_error(words, variables)
-    source = None if wrong is None else tell_of_source([wrong], shares)
+    source = None if wrong is None else explain_source([wrong], shares)
     if source is not None:  # the program itself names the installed file
         yield source

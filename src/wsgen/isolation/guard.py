@@ -96,8 +96,8 @@ def _watch(pid: int, cpu_seconds: float) -> int:
         if event is not None and event.si_signo == signal.SIGTERM:
             code = -signal.SIGTERM
         elif math.isfinite(cpu_seconds) and _is_stopped(pid):
-            is_told = signal.sigtimedwait({signal.SIGTERM}, SECONDS_STOPPED) is not None
-            code = -signal.SIGTERM if is_told else -signal.SIGSTOP if _is_stopped(pid) else None
+            is_notified = signal.sigtimedwait({signal.SIGTERM}, SECONDS_STOPPED) is not None
+            code = -signal.SIGTERM if is_notified else -signal.SIGSTOP if _is_stopped(pid) else None
         elif time.monotonic() >= next_check:
             left = cpu_seconds - _descendants_cpu_seconds()
             code = -signal.SIGXCPU if left < 0.0 else None

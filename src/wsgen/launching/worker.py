@@ -478,7 +478,7 @@ def play_live(
             logger = _logger()
             logger.debug("%s", traceback.format_exc())
             logger.error("%s", reason)  # noqa: TRY400  its traceback is not for users
-            _tell_place(error, explain_xacro)
+            _report_place(error, explain_xacro)
             if not context.is_shutdown:
                 context.shut_down(Shutdown(reason=reason))
             return False
@@ -491,7 +491,7 @@ def play_live(
     return went_well
 
 
-def _tell_place(error: Exception, explain_xacro: Explainer) -> None:
+def _report_place(error: Exception, explain_xacro: Explainer) -> None:
     """Say which line of the user's an exception is about, which `ros2 launch` does not."""
     found = explain_xacro(error)
     location = (

@@ -125,11 +125,11 @@ class AskedNodes:
 
     def take(self) -> bool:
         """Take what has happened; False: the process that asks has ended."""
-        told = self.node.take() if self.node is not None else None
-        if told is None:
+        reported = self.node.take() if self.node is not None else None
+        if reported is None:
             self._lose()
             return False
-        for one in told:
+        for one in reported:
             getattr(self, f"_take_{one['is']}")(one)
         return True
 
@@ -171,56 +171,56 @@ class AskedNodes:
         self._requests.clear()
         self.close()
 
-    def _take_transition(self, told: Mapping[str, Any]) -> None:
+    def _take_transition(self, reported: Mapping[str, Any]) -> None:
         from launch_ros._events import StateTransition  # noqa: PLC0415  the shim's
 
-        for action in self._followed.get(told["node"], ()):
+        for action in self._followed.get(reported["node"], ()):
             self._post(
                 StateTransition(
                     action=action,
-                    transition=told["transition"],
-                    start_state=told["start"],
-                    goal_state=told["goal"],
-                    timestamp=told["timestamp"],
+                    transition=reported["transition"],
+                    start_state=reported["start"],
+                    goal_state=reported["goal"],
+                    timestamp=reported["timestamp"],
                 )
             )
 
-    def _take_changed(self, told: Mapping[str, Any]) -> None:
-        one = self._requests.pop(told["id"], None)
-        if one is not None and not told["success"]:
-            why = f": {told['error']}" if told["error"] else ""
+    def _take_changed(self, reported: Mapping[str, Any]) -> None:
+        one = self._requests.pop(reported["id"], None)
+        if one is not None and not reported["success"]:
+            why = f": {reported['error']}" if reported["error"] else ""
             logging.getLogger(one.logger).error(
                 "%s", f"Failed to make transition '{one.what}' for LifecycleNode '{one.node}'{why}"
             )
 
-    def _take_loaded(self, told: Mapping[str, Any]) -> None:
-        one = self._requests.pop(told["id"], None)
+    def _take_loaded(self, reported: Mapping[str, Any]) -> None:
+        one = self._requests.pop(reported["id"], None)
         if one is None:
             return
         logger = logging.getLogger(one.logger)
-        if told["success"]:
-            logger.info("%s", f"Loaded node '{told['name']}' in container '{one.node}'")
+        if reported["success"]:
+            logger.info("%s", f"Loaded node '{reported['name']}' in container '{one.node}'")
         else:
             logger.error(
                 "%s",
                 f"Failed to load node of type '{one.what}' in container '{one.node}': "
-                f"{told['error']}",
+                f"{reported['error']}",
             )
 
-    def _take_unheard(self, told: Mapping[str, Any]) -> None:
-        text = f"the transitions of {told['node']} are not heard: {told['error']}"
+    def _take_unheard(self, reported: Mapping[str, Any]) -> None:
+        text = f"the transitions of {reported['node']} are not heard: {reported['error']}"
         logging.getLogger(LIFECYCLE).error("%s", text)
 
-    def _take_missing(self, told: Mapping[str, Any]) -> None:
-        one = self._requests.get(told["id"])
+    def _take_missing(self, reported: Mapping[str, Any]) -> None:
+        one = self._requests.get(reported["id"])
         if one is None:
             return
-        others = told["others"]
+        others = reported["others"]
         there = f"; services of its type: {', '.join(others)}" if others else ""
         what = "lifecycle node" if one.transition is not None else "container"
         logging.getLogger(one.logger).warning(
             "%s",
-            f"{one.what} waits for the service {told['service']}, which does not appear: check "
+            f"{one.what} waits for the service {reported['service']}, which does not appear: check "
             f"that {one.node} is a {what} and has this name{there}",
         )
 

@@ -102,7 +102,7 @@ def _last_lines(journal: Journal) -> Iterator[str]:
     """What the process has printed last that has failed, or what says most of all, with names."""
     failed = next(iter(journal.failed), None)
     lines = (
-        list(journal.telling)
+        list(journal.important)
         if failed is None or not failed.lines
         else [f"[{failed.name}] {line}" for line in failed.lines]
     )

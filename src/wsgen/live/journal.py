@@ -107,14 +107,16 @@ class Journal:
     Attributes:
         processes: By name; of one that was started again the last one.
         lines: The last ones of all, "[NAME] LINE".
-        telling: Those of the user's programs, and what others warn of or fail with.
+        important: Those of the user's programs, and what others warn of or fail with.
         left_out: What does not run here, with the reason.
     """
 
     def __init__(self, folder: Path) -> None:
         self.processes: dict[str, KnownProcess] = {}
         self.lines: deque[str] = deque(maxlen=KEPT_LINES)
-        self.telling: deque[str] = deque(maxlen=KEPT_LINES)  # others would push them out of `lines`
+        self.important: deque[str] = deque(
+            maxlen=KEPT_LINES
+        )  # others would push them out of `lines`
         self.left_out: dict[str, str] = {}
         self.failed: list[KnownProcess] = []
         self._path = folder / FILE
@@ -146,7 +148,7 @@ class Journal:
             process.lines.append(text)
         is_of_user = name != LAUNCH if process is None else process.role == OTHER
         if is_of_user or not _USUAL.search(text):
-            self.telling.append(line)
+            self.important.append(line)
 
     def _ended(self, name: str, code: int, is_wanted: Any) -> None:
         process = self.processes.get(name)

@@ -97,7 +97,7 @@ def newer_numpy(printed: bytes) -> str | None:
     return next((release for words, release in OF_NUMPY.items() if words in printed), None)
 
 
-def tell_of_numpy(release: str, python: Path | None) -> str:
+def explain_numpy(release: str, python: Path | None) -> str:
     """Say that a node was written for an older NumPy, and what to do.
 
     Args:
@@ -110,7 +110,7 @@ def tell_of_numpy(release: str, python: Path | None) -> str:
     )
 
 
-def tell_of_module(
+def explain_module(
     module: str, python: Path | None, workspace: Collection[str], distro: str | None = None
 ) -> str:
     """Say that a module is missing, and what to do.

@@ -77,8 +77,8 @@ class Preparer:
         )
         self._note(spawn)
         prepared, found = self._subject.prepare_later(spawn, folder)
-        told = (one for one in found if one.severity is not Severity.INFO)
-        fresh = [one for one in told if one not in self._shown]
+        reported = (one for one in found if one.severity is not Severity.INFO)
+        fresh = [one for one in reported if one not in self._shown]
         self._shown.update(fresh)
         if fresh:
             self._show(fresh)

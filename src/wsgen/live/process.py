@@ -106,10 +106,10 @@ class LineFormat:
             try:
                 return self._form.format(line=text, this=self._action).encode("utf-8", "replace")
             except Exception as error:  # noqa: BLE001  it calls what the launch file has
-                self._tell(error)
+                self._notify(error)
         return b"[%s] %s" % (self.name.encode(), line)
 
-    def _tell(self, error: Exception) -> None:
+    def _notify(self, error: Exception) -> None:
         reason = f"{type(error).__name__}: {error}"
         text = f"output_format {self._form!r} fails ({reason}); lines are '[{self.name}] LINE'"
         self._form = None
@@ -256,7 +256,7 @@ class RunningProcess:
         self.role = OTHER  # as the journal has it
         self.respawn: Callable[[], None] = _do_nothing
         self.budget = Budget()
-        self.is_ending = False  # it was told to end, and gets stronger signals if it does not
+        self.is_ending = False  # it was asked to end, and gets stronger signals if it does not
         self._signals: set[int] = set()  # that it was sent
         self.outputs: dict[int, Output] = {}  # by the descriptor that is read
         form = LineFormat(name, start)

@@ -124,15 +124,21 @@ def recording_topics(  # noqa: PLR0913  a request
     if file is None:
         yield
         return
-    heard, told = os.pipe()
+    heard, reported = os.pipe()
     with os.fdopen(heard, "rb", buffering=0) as hears:
         try:
-            words = [str(file.absolute()), "--parent", str(os.getpid()), "--tell", str(told)]
+            words = [
+                str(file.absolute()),
+                "--parent",
+                str(os.getpid()),
+                "--report-to",
+                str(reported),
+            ]
             words += ["--use-sim-time"] if use_sim_time else []
             words += ["--live-folder", str(live_folder)] if live_folder is not None else []
-            recorder = _start(words, python, environment, told)
+            recorder = _start(words, python, environment, reported)
         finally:
-            os.close(told)
+            os.close(reported)
         try:
             if not select.select([hears], [], [], SECONDS_TO_START)[0]:
                 recorder.kill()
@@ -152,7 +158,7 @@ def recording_topics(  # noqa: PLR0913  a request
 
 
 def _start(
-    words: list[str], python: Path, environment: Mapping[str, str], told: int
+    words: list[str], python: Path, environment: Mapping[str, str], reported: int
 ) -> subprocess.Popen[bytes]:
     try:
         return subprocess.Popen(
@@ -160,7 +166,7 @@ def _start(
             stdin=subprocess.DEVNULL,
             env={**environment, "PYTHONUNBUFFERED": "1"},
             start_new_session=True,  # Ctrl-C ends the launch, and that ends the recording
-            pass_fds=[told],
+            pass_fds=[reported],
         )
     except OSError as error:
         raise parent.not_started(error) from error

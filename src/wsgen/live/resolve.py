@@ -106,7 +106,7 @@ class Resolver:
         self._request = request
         self._log_folder = log_folder
         self._simulator_folder = simulator_folder
-        self._told: set[str] = set()
+        self._reported: set[str] = set()
         self._ros2: Path | None = None  # the folder of a `ros2`
 
     def write_programs(self) -> None:
@@ -174,7 +174,7 @@ class Resolver:
         )
         command = (*start.prefix, *command_line)
         if program.note:
-            self._tell(f"{Path(start.path or start.executable or '').name}: {program.note}")
+            self._notify(f"{Path(start.path or start.executable or '').name}: {program.note}")
         is_simulator = program.module.endswith(".simulator")
         is_forked = program.module.startswith(FORKED) and not start.prefix
         return Resolved(
@@ -244,7 +244,7 @@ class Resolver:
             elif name == MIDDLEWARE and not self._request.is_sourced:
                 found[name] = value
                 if own != value:
-                    self._tell(f"{own} is not on PyPI: nodes use {value}")
+                    self._notify(f"{own} is not on PyPI: nodes use {value}")
             elif name in _PATHS:  # the launch file has added to it
                 found[name] = os.pathsep.join([own, value])
         if not self._request.is_sourced:
@@ -270,7 +270,9 @@ class Resolver:
             if name in own:
                 variables[name] = own[name]
             if wanted not in {None, own.get(name)}:
-                self._tell(f"{name}={wanted} of the launch file is left out: tests are kept apart")
+                self._notify(
+                    f"{name}={wanted} of the launch file is left out: tests are kept apart"
+                )
 
     def _with_programs(self, path: str) -> str:
         """A PATH with what is beside the interpreter of nodes, and `ros2`."""
@@ -279,10 +281,10 @@ class Resolver:
             folders.insert(0, str(self._ros2))
         return os.pathsep.join(folders)
 
-    def _tell(self, text: str) -> None:
+    def _notify(self, text: str) -> None:
         """Say something once."""
-        if text not in self._told:
-            self._told.add(text)
+        if text not in self._reported:
+            self._reported.add(text)
             logging.getLogger("launch").info("%s", text)
 
 

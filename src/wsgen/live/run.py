@@ -232,7 +232,7 @@ def drawing(
         return
     done: list[Recorded] = []
 
-    def tell(one: Recorded) -> None:
+    def notify(one: Recorded) -> None:
         done.append(one)
         recorded(one)
 
@@ -241,9 +241,9 @@ def drawing(
             yield
         except SessionDiedError:
             if (live_folder / POSE_LOG_FILE).exists():
-                finish(partial(draw_video, live_folder, video, tell))
+                finish(partial(draw_video, live_folder, video, notify))
             raise
-        finish(partial(draw_video, live_folder, video, tell))
+        finish(partial(draw_video, live_folder, video, notify))
     except (KeyboardInterrupt, SystemExit):  # what handlers of signals raise
         if not done:
             unfinished(video)

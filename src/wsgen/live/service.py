@@ -142,10 +142,10 @@ class Service:
         elif self.logs.folder is not None:
             self._logger.info("All log files can be found below %s", self.logs.folder)
         self._logger.info("Default logging verbosity is set to INFO")
-        self._tell_distro()
-        self._tell_beside()
+        self._report_distro()
+        self._report_beside()
 
-    def _tell_beside(self) -> None:
+    def _report_beside(self) -> None:
         """Say it where another run simulates in the same domain: nodes hear both."""
         if self.request.beside is not None:
             self._logger.warning(
@@ -154,14 +154,14 @@ class Service:
                 self.request.beside,
             )
 
-    def _tell_distro(self) -> None:
+    def _report_distro(self) -> None:
         """Say it where nodes see another distribution than that of the ROS that runs."""
-        told, runs = self.request.variables.get("ROS_DISTRO"), self.request.distro
-        if told is not None and runs is not None and told != runs:
+        given, runs = self.request.variables.get("ROS_DISTRO"), self.request.distro
+        if given is not None and runs is not None and given != runs:
             self._logger.info(
                 "ROS_DISTRO of the nodes is %s, which they were written for; the ROS that runs "
                 "is %s",
-                told,
+                given,
                 runs,
             )
 
@@ -291,7 +291,7 @@ class Service:
         """End the processes whose actions match."""
         for process in list(self._processes.values()):
             if matches(process.start.action):
-                self._termination.end(process, is_told=True)
+                self._termination.end(process, is_notified=True)
 
     def send_signal(self, number: str | int, matches: Callable[[Any], bool]) -> None:
         """Send a signal to the processes whose actions match."""
@@ -313,7 +313,7 @@ class Service:
 
         def end_all() -> None:
             for process in reversed(list(self._processes.values())):
-                self._termination.end(process, is_told=not due_to_sigint)
+                self._termination.end(process, is_notified=not due_to_sigint)
 
         self._timeline.post(ScheduledCall(end_all))
 
@@ -531,7 +531,7 @@ class Service:
             process.drain(partial(self._take_output, process))
             for output in process.outputs.values():
                 output.finish()
-                self._tell_listeners(process, output, b"", is_last=True)
+                self._report_listeners(process, output, b"", is_last=True)
         finally:
             self._take_end(process, code)
 
@@ -635,9 +635,9 @@ class Service:
     def _take_output(self, process: RunningProcess, descriptor: int, data: bytes) -> None:
         output: Output = process.outputs[descriptor]
         output.take(data)
-        self._tell_listeners(process, output, data)
+        self._report_listeners(process, output, data)
 
-    def _tell_listeners(
+    def _report_listeners(
         self, process: RunningProcess, output: Output, data: bytes, *, is_last: bool = False
     ) -> None:
         from launch._events import ProcessStderr, ProcessStdout  # noqa: PLC0415  the shim's

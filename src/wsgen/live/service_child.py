@@ -44,20 +44,20 @@ class ServiceChild:
     def prepare_nodes(self, request: NodeServerRequest) -> None:
         """Let it start what programs of wsgen are forked from, before all else is known."""
         write_file(self._folder / NODES_FILE, encode(request))
-        self._tell(NODES)
+        self._notify(NODES)
 
     def go(self, request: ServiceRequest) -> None:
         """Let it play a launch: all else that it needs is in the folder."""
         write_file(self._folder / REQUEST_FILE, encode(request))
-        self._tell(GO)
+        self._notify(GO)
 
     def interrupt(self) -> None:
         """Report to it that the user has pressed Ctrl-C."""
-        self._tell(INTERRUPT)
+        self._notify(INTERRUPT)
 
     def terminate(self) -> None:
         """Have it end."""
-        self._tell(TERMINATE)
+        self._notify(TERMINATE)
 
     def wait(self) -> int:
         """Wait for its end, and hand on the signals to this process; gives its exit code.
@@ -85,19 +85,19 @@ class ServiceChild:
         parent.end(self._guard)
         self._control.close()
 
-    def _tell(self, word: bytes) -> None:
+    def _notify(self, word: bytes) -> None:
         with contextlib.suppress(OSError):  # it has ended
             self._control.send(word)
 
     @contextlib.contextmanager
     def _handing_on(self) -> Iterator[None]:
-        tell: dict[int, Callable[[], None]] = {
+        notify: dict[int, Callable[[], None]] = {
             signal.SIGINT: self.interrupt,
             signal.SIGTERM: self.terminate,
             signal.SIGHUP: self.terminate,
         }
         before = {}
-        for number, one in tell.items():
+        for number, one in notify.items():
             if signal.getsignal(number) is not signal.SIG_IGN:  # as nohup has it for SIGHUP
                 before[number] = signal.signal(number, lambda *_, one=one: one())
         try:

@@ -306,7 +306,7 @@ class LiveSession:
         ]
         if self._not_found:
             lines.append(f"nodes that have not appeared: {', '.join(self._not_found)}")
-        printed = list(self.journal.telling)[-LAST_LINES:]
+        printed = list(self.journal.important)[-LAST_LINES:]
         return "\n".join([*lines, *(["the last lines:", *printed] if printed else [])])
 
     def close(self) -> None:

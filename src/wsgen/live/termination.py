@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from wsgen.live.failures import FailedProgram, Failures
 from wsgen.live.journal import OTHER
-from wsgen.live.missing_modules import tell_of_module, tell_of_numpy
+from wsgen.live.missing_modules import explain_module, explain_numpy
 from wsgen.live.process import ENDING
 from wsgen.live.timeline import ScheduledCall
 from wsgen.live.tracebacks import find_source
@@ -57,14 +57,14 @@ class Termination:
         """Begin to play the launch whose events these are."""
         self._timeline = timeline
 
-    def end(self, process: RunningProcess, *, is_told: bool) -> None:
+    def end(self, process: RunningProcess, *, is_notified: bool) -> None:
         """Send SIGINT now, later SIGTERM, then SIGKILL, while the process does not end."""
         if process.is_ending:
             return
         process.is_ending = True
-        if is_told:
+        if is_notified:
             self.send_signal(process, signal.SIGINT)
-        else:  # the terminal has told it, as far as users know
+        else:  # the terminal has signaled it, as far as users know
             process.send_signal(signal.SIGINT)
         start = process.start
         first = start.sigterm_timeout
@@ -106,10 +106,10 @@ class Termination:
         else:
             text = f"process has died [pid {process.pid}, exit code {code}, cmd '{process.shown}']."
             logger.error("%s", text)
-            self._tell_cause(process, causes)
+            self._report_cause(process, causes)
             # What signals have ended has named no mistake; a module to be installed is none.
             if code > 0 and causes.missing_module is None and not process.is_end_wanted(code):
-                source = self._tell_source(process, causes.frames)
+                source = self._report_source(process, causes.frames)
         if code == 0 or is_wanted or -code in ENDING:  # by whoever has sent the signal
             self._failures.remove(process.name)
         else:
@@ -136,7 +136,7 @@ class Termination:
     def _has_ended(self, process: RunningProcess) -> bool:
         return not self._is_running(process)
 
-    def _tell_cause(self, process: RunningProcess, causes: Causes) -> None:
+    def _report_cause(self, process: RunningProcess, causes: Causes) -> None:
         """Say once what to install, where that is why a process has ended; or what it misspells."""
         request = self._request
         python = None if request.is_sourced else request.python
@@ -144,7 +144,7 @@ class Termination:
         module, numpy = causes.missing_module, causes.newer_numpy
         if numpy is not None and numpy not in self._newer_numpy:
             self._newer_numpy.add(numpy)
-            logger.error("%s", tell_of_numpy(numpy, python))
+            logger.error("%s", explain_numpy(numpy, python))
         if causes.missing_name is not None and causes.missing_name not in self._missing_names:
             self._missing_names.add(causes.missing_name)
             logger.error("%s", causes.missing_name)
@@ -152,13 +152,15 @@ class Termination:
             return
         self._missing_modules.add(module)
         distro = request.environment.get("ROS_DISTRO") if request.is_sourced else None
-        logger.error("%s", tell_of_module(module, python, request.packages, distro))
+        logger.error("%s", explain_module(module, python, request.packages, distro))
 
-    def _tell_source(self, process: RunningProcess, frames: tuple[Frame, ...]) -> SourceLine | None:
+    def _report_source(
+        self, process: RunningProcess, frames: tuple[Frame, ...]
+    ) -> SourceLine | None:
         """Say once where the source is of what has ended a process: it has named the copy."""
         if frames not in self._traced:
             sources = {Path(share): source for share, source in self._request.sources.items()}
             self._traced[frames] = source = find_source(frames, sources)
             if source is not None:
-                logging.getLogger(process.name).error("%s", source.told())
+                logging.getLogger(process.name).error("%s", source.reported())
         return self._traced[frames]

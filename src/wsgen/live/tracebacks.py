@@ -99,7 +99,7 @@ class SourceLine(NamedTuple):
         """The line in the source; the source alone, where its lines are others by now."""
         return f"line {self.line} of {self.source}" if self.is_same else str(self.source)
 
-    def told(self) -> str:
+    def reported(self) -> str:
         """What to say of it to somebody who knows the line of the installed file."""
         if not self.is_same:
             return f"{self.file} is installed from {self.source}, which was changed after the build"
@@ -122,10 +122,10 @@ def find_source(frames: Iterable[Frame], shares: Mapping[Path, Path]) -> SourceL
     return None
 
 
-def tell_of_source(frames: Iterable[Frame], shares: Mapping[Path, Path]) -> str | None:
+def explain_source(frames: Iterable[Frame], shares: Mapping[Path, Path]) -> str | None:
     """Say where the line is to be corrected that a traceback names; as `find_source` finds it."""
     found = find_source(frames, shares)
-    return None if found is None else found.told()
+    return None if found is None else found.reported()
 
 
 def _source(file: Path, shares: Mapping[Path, Path]) -> InstalledSource | None:

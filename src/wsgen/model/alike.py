@@ -64,7 +64,7 @@ def _names(message: str) -> list[str]:
 def _with_names(group: Sequence[Diagnostic]) -> Diagnostic:
     """The first, with what distinguishes the others from it."""
     labels: dict[str, str] = {}
-    for name, found in zip(_telling(group), group, strict=True):
+    for name, found in zip(_distinguishing(group), group, strict=True):
         line = f"line {found.line}" if found.line else ""
         labels.setdefault(name or line, f"{name} ({line})" if name and line else name or line)
     others = list(labels.values())[1:]
@@ -75,12 +75,12 @@ def _with_names(group: Sequence[Diagnostic]) -> Diagnostic:
     return replace(group[0], message=f"{group[0].message} {same}")
 
 
-def _telling(group: Sequence[Diagnostic]) -> Sequence[str]:
+def _distinguishing(group: Sequence[Diagnostic]) -> Sequence[str]:
     """The first name in the message or the element that distinguishes them; or the element."""
     of_each = ((*_names(found.message), *NAMED_IN.findall(found.element or "")) for found in group)
     columns = zip(*of_each)  # noqa: B905  elements may be nested differently
-    telling = next((column for column in columns if len(set(column)) > 1), None)
-    if telling is not None:
-        return [f"`{name.strip(QUOTES)}`" for name in telling]
+    important = next((column for column in columns if len(set(column)) > 1), None)
+    if important is not None:
+        return [f"`{name.strip(QUOTES)}`" for name in important]
     is_element = len({found.element for found in group}) > 1
     return [f"`{found.element}`" if is_element else "" for found in group]

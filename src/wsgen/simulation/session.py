@@ -159,7 +159,7 @@ class Session(contextlib.AbstractContextManager["Session"]):
         self._check_joints(
             entity, (name for pair in drive.pairs for name in (pair.left, pair.right))
         )
-        self._tell("drive", entity, drive, linear, angular, doing=f"driving `{entity}`")
+        self._notify("drive", entity, drive, linear, angular, doing=f"driving `{entity}`")
 
     def hold(self, entity: str, positions: Mapping[str, float]) -> None:
         """From now on, have joints go to positions (rad or m) and hold them, within their limits.
@@ -180,7 +180,7 @@ class Session(contextlib.AbstractContextManager["Session"]):
             joint: _finite(position, f"The position of `{joint}`", "rad or m")
             for joint, position in positions.items()
         }
-        self._tell("hold", entity, given, doing=f"holding joints of `{entity}`")
+        self._notify("hold", entity, given, doing=f"holding joints of `{entity}`")
 
     def set_motors(self, entity: str, motors: Mapping[str, Motor]) -> None:
         """From now on, have these motors in joints, whatever else commands them."""
@@ -190,7 +190,7 @@ class Session(contextlib.AbstractContextManager["Session"]):
             _finite(motor.speed, f"The speed of the motor of `{joint}`", "rad/s or m/s")
             if motor.effort != math.inf:
                 _finite(motor.effort, f"The effort of the motor of `{joint}`", "N m or N")
-        self._tell("set_motors", entity, given, doing=f"setting motors of `{entity}`")
+        self._notify("set_motors", entity, given, doing=f"setting motors of `{entity}`")
 
     def release(self, entity: str) -> None:
         """Take away all that commands a robot: its joints are as when it was spawned.
@@ -198,7 +198,7 @@ class Session(contextlib.AbstractContextManager["Session"]):
         They are passive, but for wheels that a diff drive plugin keeps still.
         """
         self._robot(entity)
-        self._tell("release", entity, doing=f"releasing the joints of `{entity}`")
+        self._notify("release", entity, doing=f"releasing the joints of `{entity}`")
 
     def push(self, entity: str, force: Vector, seconds: float, link: str | None = None) -> None:
         """From now on, have a force act on a robot for so many simulated seconds.
@@ -222,13 +222,13 @@ class Session(contextlib.AbstractContextManager["Session"]):
                 hint=f"{ask_for_nearest(link, known)}Links: {', '.join(known)}.",
             )
         seconds, given = _checked(seconds), _vector(force)
-        self._tell("push", entity, link, given, seconds, doing=f"pushing `{entity}`")
+        self._notify("push", entity, link, given, seconds, doing=f"pushing `{entity}`")
 
     def measure(self, entity: str) -> None:
         """From now on, measure how far a robot moves."""
         self._robot(entity)
         self._measured.add(entity)
-        self._tell("measure", entity, doing=f"measuring where `{entity}` is")
+        self._notify("measure", entity, doing=f"measuring where `{entity}` is")
 
     def moved(self, entity: str) -> tuple[float, float, float]:
         """How far a robot has moved since `measure`, as behaviors say it: m, m, rad.
@@ -280,7 +280,7 @@ class Session(contextlib.AbstractContextManager["Session"]):
         self.seconds = moment.seconds
         self.states = {**self.states, **{state.entity: state for state in moment.states}}
 
-    def _tell(self, command: str, *arguments: object, doing: str) -> None:
+    def _notify(self, command: str, *arguments: object, doing: str) -> None:
         self._call(command, *arguments, doing=doing, kind=type(None))
 
     def _call(

@@ -352,7 +352,7 @@ def _run(  # noqa: PLR0913  what is run, where, and who hears of it
     before, failed = table.count, 0
     started = time.monotonic()
 
-    def tell() -> None:
+    def notify() -> None:
         done = table.count - before
         each = (time.monotonic() - started) / done if done else None
         on_progress(
@@ -364,7 +364,7 @@ def _run(  # noqa: PLR0913  what is run, where, and who hears of it
             )
         )
 
-    tell()
+    notify()
     todo = (variant for variant in variants if variant.number not in table)
     count = variants.count - before
     rows = _rows(request, subject, variants, todo, count, environment, executor)
@@ -375,7 +375,7 @@ def _run(  # noqa: PLR0913  what is run, where, and who hears of it
             figures = {name: figure for name, figure in row.figures.items() if name in known}
             table.write(variants.variant(row.number), replace(row, figures=figures))
             failed += not row.passed
-            tell()
+            notify()
 
 
 def _executor(request: SweepRequest) -> LocalExecutor | DaskExecutor:

@@ -240,7 +240,7 @@ def test_initial_values_put_the_joints_there() -> None:
     assert interfaces.commands["a/position"] == 0.3
 
 
-def test_motors_are_told_when_something_changes_alone() -> None:
+def test_motors_are_set_when_something_changes_alone() -> None:
     body = Body(joint("a"))
     made, _ = system("gz", body, part("a", "position"))
     made.switch(["a/position"], [])

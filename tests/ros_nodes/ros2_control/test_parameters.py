@@ -68,7 +68,7 @@ def test_namespaces_may_be_nested_or_written_in_one_key(tmp_path: Path) -> None:
     assert files.of_node("/robot/leg") == {"y": 2}
 
 
-def test_files_that_cannot_be_read_are_told(tmp_path: Path) -> None:
+def test_files_that_cannot_be_read_are_reported(tmp_path: Path) -> None:
     broken, empty = tmp_path / "broken.yaml", tmp_path / "empty.yaml"
     broken.write_text("a:\n  - [\n")
     empty.write_text("")
@@ -78,7 +78,7 @@ def test_files_that_cannot_be_read_are_told(tmp_path: Path) -> None:
     assert "does not exist" in errors[2]
 
 
-def test_values_of_wrong_types_are_told_and_their_defaults_used() -> None:
+def test_values_of_wrong_types_are_reported_and_their_defaults_used() -> None:
     parameters = Parameters({"rate": "fast", "joints": "a", "on": 1, "list": [1, 2.5], "n": 3})
     assert parameters.number("rate", 50.0) == 50.0
     assert parameters.texts("joints") == []

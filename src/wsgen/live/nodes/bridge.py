@@ -58,7 +58,7 @@ def main() -> int:
                 client.connect(math.inf)
             answer = client.ask("bridge", rules=rules, node=NODE, arguments=of_ros)
             for rule, problem in zip(rules, answer["problems"], strict=True):
-                _tell(rule, problem)
+                _notify(rule, problem)
             client.wait_until_it_ends()
             client.close()
     except BadBridgeError as error:
@@ -76,7 +76,7 @@ def main() -> int:
     return 0
 
 
-def _tell(rule: Mapping[str, str], problem: str | None) -> None:
+def _notify(rule: Mapping[str, str], problem: str | None) -> None:
     """Print what the real bridge does for a rule, and what is wrong with it."""
     ros, gz = f"{rule['ros_topic']} ({rule['ros_type']})", f"{rule['gz_topic']} ({rule['gz_type']})"
     if problem is not None:

@@ -122,14 +122,15 @@ class ManagerClient:
             "set_parameters", SetParameters, SetParameters.Request(parameters=[full])
         )
         did = bool(answer.results and answer.results[0].successful)
-        told = f'"{name}" to "{value}" for '
+        reported = f'"{name}" to "{value}" for '
         if did:
             self.info(
-                colored(f"Setting controller param {told}", "cyan") + colored(controller, "bold")
+                colored(f"Setting controller param {reported}", "cyan")
+                + colored(controller, "bold")
             )
         else:
             self.fatal(
-                colored(f"Could not set controller param {told}", "red")
+                colored(f"Could not set controller param {reported}", "red")
                 + colored(controller, "bold")
             )
         return did

@@ -5,7 +5,7 @@ to the standard output, a JSON object a line. The program ends with its input.
 
 A request says what to `do`: `follow` the transitions of a `node`; `change` its state by a
 `transition`; `load` a node into a `container`; `drop` the requests to a node that has ended. What
-`is` told: a `transition`; that a state is `changed` or a node is `loaded`, with the `id` of the
+`is` reported: a `transition`; that a state is `changed` or a node is `loaded`, with the `id` of the
 request, or why not; that a service is `missing` which has not appeared.
 
 Topic and services are those of rcl_lifecycle and rclcpp_components; the node is called as that of
@@ -155,11 +155,11 @@ class LaunchNode:
         """Answer that a request cannot be done, and why."""
         why = " ".join(str(error).split()) or type(error).__name__
         if request["do"] == "change":
-            self._tell("changed", id=request["id"], success=False, error=why)
+            self._notify("changed", id=request["id"], success=False, error=why)
         elif request["do"] == "load":
-            self._tell("loaded", id=request["id"], success=False, name="", error=why)
+            self._notify("loaded", id=request["id"], success=False, name="", error=why)
         else:
-            self._tell("unheard", node=request["node"], error=why)
+            self._notify("unheard", node=request["node"], error=why)
 
     def _read(self, requests: int) -> None:
         with os.fdopen(requests, "rb") as stream:
@@ -169,7 +169,7 @@ class LaunchNode:
         self._requests.put(None)
         self._wake.trigger()
 
-    def _tell(self, what: str, **values: object) -> None:
+    def _notify(self, what: str, **values: object) -> None:
         line = json.dumps({"is": what, **values}).encode() + b"\n"
         while line:
             line = line[os.write(self._answers, line) :]
@@ -182,7 +182,7 @@ class LaunchNode:
             return
 
         def take(event: Any) -> None:
-            self._tell(
+            self._notify(
                 "transition",
                 node=node,
                 transition=event.transition.label,
@@ -206,7 +206,7 @@ class LaunchNode:
             probe=(GetState, f"{request['node']}/get_state"),
             node=request["node"],
             request=request,
-            answer=lambda answer: self._tell(
+            answer=lambda answer: self._notify(
                 "changed", id=number, success=answer.success, error=""
             ),
         )
@@ -229,7 +229,7 @@ class LaunchNode:
             probe=(ListNodes, f"{request['container']}/_container/list_nodes"),
             node=request["container"],
             request=request,
-            answer=lambda answer: self._tell(
+            answer=lambda answer: self._notify(
                 "loaded",
                 id=number,
                 success=answer.success,
@@ -295,7 +295,9 @@ class LaunchNode:
                 for name, kinds in self._node.get_service_names_and_types()
                 if kind in kinds and name not in self._clients
             )
-            self._tell("missing", id=one.request["id"], service=one.client.srv_name, others=others)
+            self._notify(
+                "missing", id=one.request["id"], service=one.client.srv_name, others=others
+            )
         return False
 
 

@@ -131,42 +131,42 @@ class NodeServer:
             file.seek(0)
             request: dict[str, Any] = json.load(file)
         parent = os.getpid()
-        ready, told = os.pipe()
+        ready, reported = os.pipe()
         # Who hears of a program sends signals to its session: none may be lost before it has one.
         kept = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
         pid = self._fork()
         if pid == 0:
             self._lead_session(parent)
-            os.close(told)
+            os.close(reported)
             os.close(ready)
             signal.pthread_sigmask(signal.SIG_SETMASK, kept)
             self._become(request, files[1:])
             return request
         signal.pthread_sigmask(signal.SIG_SETMASK, kept)
-        os.close(told)
+        os.close(reported)
         for descriptor in files[1:]:
             os.close(descriptor)
         if pid > 0:
             os.read(ready, 1)  # until the other end is closed
         os.close(ready)
         if pid > 0:
-            self._tell(f"started {pid}")
+            self._notify(f"started {pid}")
         return None
 
     def _fork(self) -> int:
         """Fork; gives -1 where that is refused."""
         if not self._tracing.can_fork():
-            self._tell("refused")
+            self._notify("refused")
             return -1
-        self._tracing.tell("before_fork")
+        self._tracing.notify("before_fork")
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", DeprecationWarning)  # of the threads of tracing
                 pid = os.fork()
         except OSError:
             pid = -1
-            self._tell("refused")
-        self._tracing.tell("after_fork_child" if pid == 0 else "after_fork_parent")
+            self._notify("refused")
+        self._tracing.notify("after_fork_child" if pid == 0 else "after_fork_parent")
         return pid
 
     def _lead_session(self, parent: int) -> None:
@@ -204,9 +204,9 @@ class NodeServer:
         with suppress(ChildProcessError):
             while (ended := os.waitpid(-1, os.WNOHANG))[0]:
                 pid, status = ended
-                self._tell(f"ended {pid} {os.waitstatus_to_exitcode(status)}")
+                self._notify(f"ended {pid} {os.waitstatus_to_exitcode(status)}")
 
-    def _tell(self, text: str) -> None:
+    def _notify(self, text: str) -> None:
         with suppress(OSError):  # nobody is there any more, which the next request says
             self._control.send(text.encode())
 
@@ -248,7 +248,7 @@ class _Tracing:
         threads = len(os.listdir("/proc/self/task"))  # noqa: PTH208  names alone
         return threads == 1 or (self._prefix is not None and threads <= 1 + TRACING_THREADS)
 
-    def tell(self, moment: str) -> None:
+    def notify(self, moment: str) -> None:
         """Announce a fork to it: `before_fork`, `after_fork_parent` or `after_fork_child`."""
         if self._prefix is not None:
             getattr(self._library, f"{self._prefix}_{moment}")(self._signals)

@@ -1,7 +1,7 @@
 """Record all topics into an MCAP file, which Foxglove and `ros2 bag` open.
 
     python -m wsgen.live.nodes.recorder FILE [--use-sim-time] [--live-folder FOLDER] [--parent PID]
-        [--tell DESCRIPTOR]
+        [--report-to DESCRIPTOR]
 
 Like `ros2 bag record --all`: topics are found as they appear, hidden ones are left out, and
 messages are stored as they came, with the time at which they did: that of the clock, or with
@@ -55,11 +55,11 @@ def _read(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--use-sim-time", action="store_true")
     parser.add_argument("--live-folder", type=Path)
     parser.add_argument("--parent", type=int)
-    parser.add_argument("--tell", type=int)
+    parser.add_argument("--report-to", type=int)
     return parser.parse_args(arguments)
 
 
-class _Teller:
+class _Notifier:
     """Reports to who has started the recorder, by a descriptor, or by stderr without one."""
 
     def __init__(self, descriptor: int | None) -> None:
@@ -71,16 +71,16 @@ class _Teller:
         self._is_ready = True
         self._write(READY)
 
-    def tell(self, text: str) -> None:
+    def notify(self, text: str) -> None:
         """Report what it has recorded."""
         self._write(text.encode())
 
     def fail(self, why: str) -> None:
         """Report why it does not record, or not any more."""
         if self._descriptor is None or self._is_ready:
-            told = f"[ERROR] [recorder]: topics are not recorded any more: {why}"
+            reported = f"[ERROR] [recorder]: topics are not recorded any more: {why}"
             with contextlib.suppress(OSError):  # it may be on that disk
-                sys.stderr.write(f"{told if self._is_ready else why}\n")
+                sys.stderr.write(f"{reported if self._is_ready else why}\n")
         self._write(why.encode())
 
     def _write(self, what: bytes) -> None:
@@ -107,7 +107,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if given.parent is not None:
         _end_with(given.parent)
 
-    teller = _Teller(given.tell)
+    notifier = _Notifier(given.report_to)
     file: Path = given.file
     unfinished = file.with_name(file.name + UNFINISHED)
     try:
@@ -118,20 +118,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 stream,
                 use_sim_time=given.use_sim_time,
                 live_folder=given.live_folder,
-                when_ready=teller.begin,
+                when_ready=notifier.begin,
             )
         if messages:
             unfinished.replace(file)
         else:
             unfinished.unlink(missing_ok=True)
-        teller.tell(json.dumps((round(seconds, 3), messages, lost)))
+        notifier.notify(json.dumps((round(seconds, 3), messages, lost)))
     except OSError as error:
         _remove_empty(unfinished)
-        teller.fail(f"{unfinished} cannot be written: {error.strerror or error}")
+        notifier.fail(f"{unfinished} cannot be written: {error.strerror or error}")
         return FAILED
     except ImportError as error:
         unfinished.unlink(missing_ok=True)
-        teller.fail(f"a Python module cannot be imported: {error}")
+        notifier.fail(f"a Python module cannot be imported: {error}")
         return FAILED
     return 0
 

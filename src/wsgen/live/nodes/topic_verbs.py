@@ -132,13 +132,13 @@ def echo(
     subscription = _Subscription(node, topic, subscribe, qos)
     begun = time.monotonic()
     end = None if timeout is None else begun + timeout
-    told = begun + SECONDS
+    says_at = begun + SECONDS
     while rclpy.ok() and not is_done and (end is None or time.monotonic() < end):
         rclpy.spin_once(node, timeout_sec=POLL_SECONDS)
         if not has_come:
             subscription.match()
-        if not has_come and time.monotonic() >= told:
-            told = math.inf
+        if not has_come and time.monotonic() >= says_at:
+            says_at = math.inf
             silence.say_nothing_comes(full_name(node, topic), type_name(kind))
 
 
@@ -209,13 +209,13 @@ def publish(
         raise Refusal(f"Failed to populate field: {error}") from None
     publisher = node.create_publisher(kind, topic, _profile(qos, "default"))
 
-    def tell() -> None:
+    def notify() -> None:
         silence.say_nobody_takes(name, message_type)
 
-    _wait_for_subscriptions(publisher, subscriptions, most_seconds, tell)
+    _wait_for_subscriptions(publisher, subscriptions, most_seconds, notify)
     print("publisher: beginning loop", flush=True)
     number, due = 0, time.monotonic()
-    told = due + SECONDS
+    says_at = due + SECONDS
     while rclpy.ok():
         now = node.get_clock().now().to_msg()
         for stamp in stamps:
@@ -229,10 +229,10 @@ def publish(
         due += 1.0 / rate
         while rclpy.ok() and (rest := due - time.monotonic()) > 0:
             rclpy.spin_once(node, timeout_sec=min(rest, POLL_SECONDS))
-        if time.monotonic() >= told:
-            told = math.inf
+        if time.monotonic() >= says_at:
+            says_at = math.inf
             if publisher.get_subscription_count() == 0:
-                tell()
+                notify()
     _wait_for_acknowledgments(publisher)
     time.sleep(keep_alive)
 
@@ -425,7 +425,7 @@ def _fields(values: str) -> dict[str, Any]:
 
 
 def _wait_for_subscriptions(
-    publisher: Any, wanted: int, most_seconds: float | None, tell: Callable[[], None]
+    publisher: Any, wanted: int, most_seconds: float | None, notify: Callable[[], None]
 ) -> None:
     start = shown = time.monotonic()
     while rclpy.ok() and (found := publisher.get_subscription_count()) < wanted:
@@ -433,7 +433,7 @@ def _wait_for_subscriptions(
             print(f"Waiting for at least {wanted} matching subscription(s)...", flush=True)
             shown += 1.0
         if time.monotonic() >= start + SECONDS:
-            tell()
+            notify()
         if most_seconds is not None and time.monotonic() - start >= most_seconds:
             raise Refusal(
                 f"Timed out waiting for subscribers: Expected {wanted} subcribers but only got "

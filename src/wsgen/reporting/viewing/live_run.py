@@ -95,7 +95,7 @@ class RunView:
         self._numbers: Mapping[str, int] = {}  # by entity; the simulator's, of those that are there
         self._drawn: dict[str, tuple[int, DrawnRobot]] = {}  # by entity; with that number
         self._report()
-        viewer.tell(WAITING, is_running=True)
+        viewer.notify(WAITING, is_running=True)
 
     def run(self, over: threading.Event) -> None:
         """Show the run until it is over."""
@@ -125,19 +125,19 @@ class RunView:
             return
         try:
             for command in commands:
-                self._problem = self._tell(command)
+                self._problem = self._notify(command)
             self._show(self._client.ask("poses"))
         except SimulatorEndedError as error:
             self._is_connected = False
             self._client.close()
-            self._viewer.tell(f"**{error.message}**", is_running=False)
+            self._viewer.notify(f"**{error.message}**", is_running=False)
 
     def _commands(self) -> Iterator[Command]:
         commands = self._viewer.commands
         while not commands.empty():
             yield commands.get_nowait()
 
-    def _tell(self, command: Command) -> str | None:
+    def _notify(self, command: Command) -> str | None:
         """Have the simulator do what the user of the page wants; gives why it does not."""
         self._speed.begin()
         try:
@@ -169,7 +169,7 @@ class RunView:
             lines.append("No robot is in the world.")
         if self._problem is not None:
             lines.append(f"**{plain(self._problem)}**")
-        self._viewer.tell("  \n".join(lines), is_running=is_running)
+        self._viewer.notify("  \n".join(lines), is_running=is_running)
 
     def _draw(self, poses: Mapping[str, Mapping[str, Pose]], others: Collection[str]) -> None:
         """Draw the robots that have come, and no more those that have gone."""

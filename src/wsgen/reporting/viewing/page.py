@@ -70,7 +70,7 @@ class Quiet(viser.ViserServer):
 
     def __init__(self, host: str, port: int, label: str) -> None:
         _say_nothing_of_clients()
-        # It prints a panel, whatever it is told.
+        # It prints a panel, whatever its options are.
         with contextlib.redirect_stdout(io.StringIO()), _pages_of_this_machine_alone(host):
             super().__init__(host=host, port=port, label=clean(label), verbose=False)
 

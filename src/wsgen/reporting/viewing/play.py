@@ -42,7 +42,7 @@ class SimulationViewer(Protocol):
     def put(self, poses: Mapping[str, Mapping[str, Pose]]) -> None:
         """Put links to poses in the world, by entity and link."""
 
-    def tell(self, text: str, *, is_running: bool) -> None:
+    def notify(self, text: str, *, is_running: bool) -> None:
         """Show how far it is."""
 
 
@@ -183,7 +183,7 @@ class Player:
     def _show(self) -> None:
         session = self._session
         if session is None:
-            self._viewer.tell(f"**{plain(self._problem)}**", is_running=False)
+            self._viewer.notify(f"**{plain(self._problem)}**", is_running=False)
             return
         self._viewer.put({entity: state.links for entity, state in session.states.items()})
         lines = [self._speed.describe(session.seconds, is_running=self._is_running)]
@@ -193,4 +193,4 @@ class Player:
         ]
         if self._problem:
             lines.append(f"**{plain(self._problem)}** Reset to begin again.")
-        self._viewer.tell("  \n".join(lines), is_running=self._is_running)
+        self._viewer.notify("  \n".join(lines), is_running=self._is_running)

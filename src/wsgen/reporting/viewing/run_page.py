@@ -60,7 +60,7 @@ class RunPage(SimulationPage):
     def finish(self, text: str) -> None:
         """Show in Markdown that no more will come, and wait until pages that are open have it."""
         with self._lock:
-            self.tell(text, is_running=False)
+            self.notify(text, is_running=False)
             for one in (self._run, self._seconds, self._step, self._reset):
                 one.disabled = True
         self._server.flush()

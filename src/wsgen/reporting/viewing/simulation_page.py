@@ -73,7 +73,7 @@ class SimulationPage(Page):
             return super()._moved()
         return [sum(parts) / len(moved) for parts in zip(*moved, strict=True)]
 
-    def tell(self, text: str, *, is_running: bool) -> None:
+    def notify(self, text: str, *, is_running: bool) -> None:
         """Show in Markdown how far it is, and what the button does that runs or pauses it."""
         with self._lock:
             shown = clean(text)

@@ -92,14 +92,14 @@ def _locked(file: Path, listener: Listener, step: tuple[str, ...]) -> Iterator[N
     import fcntl  # noqa: PLC0415  Windows has none, and imports this module
 
     with file.open("ab") as opened:
-        told = False
+        reported = False
         while True:
             try:
                 fcntl.flock(opened, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 break
             except BlockingIOError:
-                if not told:
+                if not reported:
                     post(listener, StepProgressed(step=step, detail="another wsgen makes it"))
-                    told = True
+                    reported = True
                 time.sleep(0.1)
         yield

@@ -85,7 +85,7 @@ def show_exceptions(module: ModuleType) -> None:
             try:
                 return callback(previous)
             except Exception as error:
-                tell(node, callback, error)
+                notify(node, callback, error)
                 raise
 
         return register(node, state, shown)
@@ -102,7 +102,7 @@ def go_on_without_windows(module: ModuleType) -> None:
     opencv_windows.put_in(module)
 
 
-def tell(node: Any, callback: Callable[[Any], Any], error: Exception) -> None:
+def notify(node: Any, callback: Callable[[Any], Any], error: Exception) -> None:
     """Log an exception with its traceback, from the callback on."""
     import traceback
 

@@ -281,7 +281,7 @@ def run(simulation: LiveSimulation, server: CommandServer, ros: Ros) -> None:
     # What asks has its answer as soon in slow motion.
     slice_seconds = SLICE * min(1.0, rate or 1.0)
     last = simulation.scene.seconds
-    begun, is_told = simulation.now, False
+    begun, is_notified = simulation.now, False
     is_stepped = simulation.scene.is_stepped
     rest = partial(server.wait, NEXT_STEP) if is_stepped else partial(ros.wait, IDLE)
     types = TypesOfTopics(simulation, ros)
@@ -302,8 +302,8 @@ def run(simulation: LiveSimulation, server: CommandServer, ros: Ros) -> None:
         begun = simulation.now
         simulation.advance(control.next(simulation.now, slice_seconds))
         reached = pace.rate_reached(simulation.now)
-        if reached is not None and not is_told:
-            is_told = True
+        if reached is not None and not is_notified:
+            is_notified = True
             simulation.host.warn(
                 f"This machine simulates {reached:.2g} s a second, slower than --rate "
                 f"{pace.rate:g}."

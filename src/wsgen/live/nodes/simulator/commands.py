@@ -57,7 +57,7 @@ class _Connection:
 
     def __init__(self) -> None:
         self.bridges: list[Bridge] = []
-        self.told: dict[str, tuple[int, int]] = {}  # entity -> its poses that this client has
+        self.reported: dict[str, tuple[int, int]] = {}  # entity -> its poses that this client has
 
 
 class CommandServer:
@@ -347,9 +347,9 @@ class CommandServer:
         moved = {
             entity: robot
             for entity, robot in robots.items()
-            if not robot.robot.is_static or connection.told.get(entity) != now[entity]
+            if not robot.robot.is_static or connection.reported.get(entity) != now[entity]
         }
-        connection.told = now
+        connection.reported = now
         prepared = {id(robot) for robot in simulation.scene.scene.robots}
         return {
             "seconds": simulation.now,

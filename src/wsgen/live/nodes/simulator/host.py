@@ -75,7 +75,7 @@ class Host:
         self.engine = engine
         self._description = world
         self._count = 0  # of robots
-        self._told: set[str] = set()
+        self._reported: set[str] = set()
         self._stamp: tuple[float, Any] | None = None
         self.gz = GzTopics(ros, self.warn)
         self._own: Any = None
@@ -194,15 +194,15 @@ class Host:
 
     def warn(self, text: str) -> None:
         """Print a warning, once."""
-        self._tell("warning", text)
+        self._notify("warning", text)
 
     def info(self, text: str) -> None:
         """Print what happened, once."""
-        self._tell("info", text)
+        self._notify("info", text)
 
-    def _tell(self, level: str, text: str) -> None:
-        if text not in self._told:
-            self._told.add(text)
+    def _notify(self, level: str, text: str) -> None:
+        if text not in self._reported:
+            self._reported.add(text)
             self.ros.log(level, "gazebo", text)
 
     def view(self) -> View:

@@ -120,7 +120,7 @@ class LiveSimulation:
                 self._put(robot.entity)
         self._due += self._world_plugins()
         if not self.has("Physics"):
-            self._tell_missing("Physics", "nothing in it moves")
+            self._report_missing("Physics", "nothing in it moves")
 
     @property
     def now(self) -> float:
@@ -131,7 +131,7 @@ class LiveSimulation:
         """Whether a system of Gazebo Sim is there; of Gazebo Classic, nothing is missing."""
         return self._systems is None or system in self._systems
 
-    def _tell_missing(self, system: str, consequence: str) -> None:
+    def _report_missing(self, system: str, consequence: str) -> None:
         self.host.warn(
             f"The world `{self.scene.world}` does not load the system {system}: {consequence}. "
             f"{_add(system)}"
@@ -349,7 +349,7 @@ class LiveSimulation:
         system = SYSTEM_OF_SENSOR.get(sensor.kind)
         if where is not None and system is not None and not self.has(system):
             self._waiting.append((robot, sensor))
-            self._tell_missing(system, f"the {name} of `{robot.entity}` sends nothing")
+            self._report_missing(system, f"the {name} of `{robot.entity}` sends nothing")
             return
         yield from self._plugin(robot, where, sensor, name, sensor.kind)
 

@@ -29,7 +29,7 @@ class StaticTransformBroadcaster:
         self.pub_tf = node.create_publisher(TFMessage, "/tf_static", qos)
         self.net_message = TFMessage()
         self._logger = node.get_logger()
-        self._told: set[str] = set()
+        self._reported: set[str] = set()
 
     def sendTransform(self, transform: Any) -> None:  # noqa: N802  tf2's name
         """Send a TransformStamped, or several at once."""
@@ -39,8 +39,8 @@ class StaticTransformBroadcaster:
             if frame not in known:
                 known[frame] = new
                 self.net_message.transforms.append(new)
-            elif known[frame].transform != new.transform and frame not in self._told:
-                self._told.add(frame)
+            elif known[frame].transform != new.transform and frame not in self._reported:
+                self._reported.add(frame)
                 self._logger.warning(
                     f"The static transform of `{frame}` was sent before and stays as it was: "
                     "ROS's StaticTransformBroadcaster for Python does not replace it. "

@@ -63,7 +63,7 @@ class Ros2Control(Plugin):
         if given:
             self._begin(given)
         else:
-            self._tell_at = host.now + SECONDS_TO_COME
+            self._report_at = host.now + SECONDS_TO_COME
             self._wait_for_urdf()
 
     def _wait_for_urdf(self) -> None:
@@ -86,8 +86,8 @@ class Ros2Control(Plugin):
                 self._begin(found)
             else:
                 self._host.warn(f"`{entity}`: ros2_control does not work: {NO_HARDWARE}")
-        elif self._host.now >= self._tell_at:
-            self._tell_at = math.inf
+        elif self._host.now >= self._report_at:
+            self._report_at = math.inf
             self._host.warn(
                 f"`{entity}`: ros2_control waits for a URDF with <ros2_control> on the topic "
                 f"{self._manager.node.resolve_topic_name(DESCRIPTION)}, since an SDF cannot have "

@@ -75,12 +75,12 @@ class SlipWatch:
         half = turn / 2
         expected = abs(way * math.sin(half) / half) if half else abs(way)
         if expected > LEAST_WAY and moved < SLIPPING * expected:
-            self._tell(f"{expected:.2f} m", f"{moved:.2f} m")
+            self._notify(f"{expected:.2f} m", f"{moved:.2f} m")
         # Half a turn to the left cannot be told from one to the right.
         elif LEAST_TURN < abs(turn) < math.pi and abs(heading) < TURNING * abs(turn):
-            self._tell(f"{abs(turn):.2f} rad", f"{abs(heading):.2f} rad")
+            self._notify(f"{abs(turn):.2f} rad", f"{abs(heading):.2f} rad")
 
-    def _tell(self, by_wheels: str, moved: str) -> None:
+    def _notify(self, by_wheels: str, moved: str) -> None:
         self._is_over = True
         self._host.warn(
             f"`{self._robot.entity}`: its wheels slip: in {WINDOW:g} s they have turned for "

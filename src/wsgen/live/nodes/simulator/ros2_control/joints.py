@@ -182,13 +182,15 @@ class JointSystem:
     def write(self, seconds: float) -> None:
         """Give the commands to the simulator, for that time until the next update."""
         positions = self._body.joint_positions()
-        told = {name: self._told(joint, positions, seconds) for name, joint in self._joints.items()}
+        demands = {
+            name: self._demand(joint, positions, seconds) for name, joint in self._joints.items()
+        }
         motors = {
             name: motor
-            for name, (_, motor) in told.items()
-            if motor is not None and self._now.get(name) != told[name]
+            for name, (_, motor) in demands.items()
+            if motor is not None and self._now.get(name) != demands[name]
         }
-        put = {name: self._target(name) for name, (kind, _) in told.items() if kind == "put"}
+        put = {name: self._target(name) for name, (kind, _) in demands.items() if kind == "put"}
         if put:
             self._body.set_joint_positions(put)
             motors.update({name: Motor(0.0, math.inf) for name in put})
@@ -196,13 +198,13 @@ class JointSystem:
             self._body.drive(motors)
         efforts = {
             name: self._effort(name, kind, positions, seconds)
-            for name, (kind, motor) in told.items()
+            for name, (kind, motor) in demands.items()
             if motor is None and kind != "put"
         }
         if efforts and efforts != self._efforts:
             self._body.set_efforts(efforts)
         self._efforts = efforts
-        self._now = told
+        self._now = demands
 
     def _target(self, name: str) -> float:
         """The position that a joint is commanded to, within its ends."""
@@ -215,7 +217,7 @@ class JointSystem:
         lower, upper = self._ends[name]
         return min(upper, max(lower, target))
 
-    def _told(
+    def _demand(
         self, joint: ControlledJoint, positions: Mapping[str, float], seconds: float
     ) -> tuple[str, Motor | None]:
         """What a joint has until the next update: a motor, or an effort that comes later."""

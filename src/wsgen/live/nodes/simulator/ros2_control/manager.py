@@ -244,12 +244,12 @@ class ControllerManager:
             one.controller.cleanup()
             return False
         finally:
-            self._tell_problems(one)
+            self._report_problems(one)
         _declare(one.controller.node, one.controller.parameters)
         one.state = INACTIVE
         return True
 
-    def _tell_problems(self, one: Loaded) -> None:
+    def _report_problems(self, one: Loaded) -> None:
         for problem in dict.fromkeys(one.controller.parameters.problems):
             one.controller.error(f"{problem} Its default is used.")
         one.controller.parameters.problems.clear()

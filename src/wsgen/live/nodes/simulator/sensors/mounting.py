@@ -58,7 +58,7 @@ class Sensor(Plugin):
         self.period = self.rated_period
         self._measured = 0
         self._seconds = 0.0  # of CPU time, that a measurement takes
-        self._has_told = False
+        self._has_reported = False
         # The same noise in every run.
         self.seed = zlib.crc32(f"{robot.entity}/{sensor.link}/{sensor.name}".encode())
 
@@ -99,8 +99,8 @@ class Sensor(Plugin):
         period = self.rated_period * (1.0 if is_cheap else max(1.0, taken / SHARE))
         self.period = period
         is_late = self._measured > TELL_AFTER and period > ENOUGH * self.rated_period
-        if is_late and not self._has_told:
-            self._has_told = True
+        if is_late and not self._has_reported:
+            self._has_reported = True
             self.host.warn(
                 f"`{self.robot.entity}`: the {self.sensor.kind} sensor `{self.sensor.name}` "
                 f"measures less often than {1 / self.rated_period:g} times a second: on this "

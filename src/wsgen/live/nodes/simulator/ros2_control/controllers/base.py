@@ -79,7 +79,7 @@ class Controller:
         self.period = 0.01
         self._made: list[Any] = []  # publishers, subscriptions, services
         self._kept: list[Any] = []  # what ends by `destroy`
-        self._told: set[str] = set()
+        self._reported: set[str] = set()
 
     def configure(self) -> None:
         """Read the parameters and open the topics; raises ControllerError."""
@@ -159,8 +159,8 @@ class Controller:
 
     def warn_once(self, text: str) -> None:
         """Print a warning that would come again and again."""
-        if text not in self._told:
-            self._told.add(text)
+        if text not in self._reported:
+            self._reported.add(text)
             self.warn(text)
 
 

@@ -274,14 +274,14 @@ class JointTrajectoryController(Controller):
             follower.hold(step.command.positions)
             return
         if outcome is Outcome.OFF_PATH:
-            self._tell_errors(step, self._tolerances_now().path)
+            self._report_errors(step, self._tolerances_now().path)
             if self._goal is not None:
                 self.warn("Aborted due to state tolerance violation")
             else:
                 self.error("Holding position due to state tolerance violation")
             self._end("abort", Result.PATH_TOLERANCE_VIOLATED, text)
         elif outcome is Outcome.OFF_GOAL:
-            self._tell_errors(step, self._tolerances_now().goal)
+            self._report_errors(step, self._tolerances_now().goal)
             if self._goal is not None:
                 self.warn(text)
             else:
@@ -294,7 +294,7 @@ class JointTrajectoryController(Controller):
     def _tolerances_now(self) -> Tolerances:
         return self._follower.tolerances if self._follower is not None else self._tolerances
 
-    def _tell_errors(self, step: Step, tolerances: Sequence[Tolerance]) -> None:
+    def _report_errors(self, step: Step, tolerances: Sequence[Tolerance]) -> None:
         for index, tolerance in enumerate(tolerances):
             error = step.errors.positions[index]
             if 0.0 < tolerance.position < abs(error):
