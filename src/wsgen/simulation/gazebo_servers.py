@@ -440,10 +440,10 @@ def read_model(text: str) -> ModelState | None:
             heading = name.partition(" [")[0]
             parts[-1][1].setdefault(heading, value.strip(" []"))
         elif parts and line.startswith("["):
-            numbers = [float(one) for one in re.findall(r"[^\s|\[\]]+", line)]
-            if len(numbers) == len("xyz"):
-                row = (numbers[0], numbers[1], numbers[2])
-                parts[-1][2].setdefault(heading, []).append(row)
+            words = re.findall(r"[^\s|\[\]]+", line)
+            with contextlib.suppress(ValueError):  # other things stand in brackets, too
+                x, y, z = map(float, words)
+                parts[-1][2].setdefault(heading, []).append((x, y, z))
     models = [one for one in parts if one[0] == "Model"]
     if not models:
         return None
