@@ -74,6 +74,23 @@ def test_a_launch_file_with_undeclared_packages() -> None:
     )
 
 
+def test_packages_of_gazebo_that_later_distributions_do_not_have() -> None:
+    def check_for(distro: str | None, *packages: str) -> list[Diagnostic]:
+        checked = manifest("my_robot")
+        manifests = {"my_robot": checked}
+        return [*check_uses(checked, launch(*packages), manifests=manifests, distro=distro)]
+
+    (found,) = check_for("jazzy", "ros_ign_gazebo")
+    assert (found.code, found.severity) == ("PKG070", Severity.ERROR)
+    assert (found.file, found.hint) == (LAUNCH_FILE, "Use ros_gz_sim.")
+    assert check_for("jazzy", "gazebo_ros") == []  # SPN105 says it
+    (found,) = check_for("humble", "ros_ign_gazebo")
+    assert found.hint == "Add to package.xml: <exec_depend>ros_ign_gazebo</exec_depend>"
+    (found,) = check_for(None, "gazebo_ros", "rviz2")
+    assert found.code == "LCH045"
+    assert (found.hint or "").endswith("; from jazzy on, write ros_gz_sim for gazebo_ros")
+
+
 @pytest.mark.parametrize("kind", [NODE, DESCRIPTION])
 def test_a_node_or_robot_with_an_undeclared_package(kind: str) -> None:
     (found,) = check([PackageUse("nav_msgs", NODE_FILE, 3, kind)])

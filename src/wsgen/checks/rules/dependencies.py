@@ -59,7 +59,8 @@ UNRELEASED_DEPENDENCY = Rule(
     code="PKG070",
     name="unreleased-dependency",
     severity=Severity.WARNING,
-    severity_varies="an error for packages of Gazebo Classic, which later distributions lack",
+    severity_varies="an error for packages of Gazebo Classic, which later distributions lack, and "
+    "in launch files",
     summary="A dependency is not released for the ROS distribution that the package is for.",
     what="Takes the distribution from `--distro`, `wsgen.toml` or `ROS_DISTRO`. Skips packages "
     "that are in the workspace.",
@@ -235,6 +236,18 @@ def check_dependencies(
     else:
         yield from _conflicting(manifest, counting)
     yield from duplicate_dependencies(manifest)
+
+
+def successor(name: str, distro: str | None) -> str | None:
+    """What a distribution has in the place of a package of Gazebo that is not released for it.
+
+    Without a distribution what some have. None where the package is there, or nothing replaces it.
+    """
+    released = released_packages()
+    instead = FOR_GAZEBO_SIM.get(name)
+    if instead is None or distro in released.get(name, ()):
+        return None
+    return instead if distro is None or distro in released.get(instead, ()) else None
 
 
 def is_known(name: str) -> bool:

@@ -4,6 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from wsgen.checks.rules.dependencies import (
+    PACKAGES_OF_CLASSIC,
+    UNRELEASED_DEPENDENCY,
+    all_distros,
+    successor,
+)
 from wsgen.checks.rules.manifests import GENERATORS
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launching.undeclared import UNDECLARED_PACKAGE, is_brought, listed, undeclared
@@ -174,13 +180,32 @@ def check_uses(
             or _is_misspelled_in(package, any_tag)
         ):
             continue
+        if distro is not None and (instead := successor(package, distro)):
+            # What needs Gazebo Classic is reported where a launch file starts it.
+            if package not in PACKAGES_OF_CLASSIC:
+                first[package] = use
+                yield _unreleased(use, distro, instead)
+            continue
         first[package] = use
         if package in any_tag:
             yield _not_for_run_time(manifest, use)
         else:
             missing.setdefault(use.file, []).append(use)
     for file, those in missing.items():
-        yield _undeclared(file, those)
+        yield _undeclared(file, those, distro)
+
+
+def _unreleased(use: PackageUse, distro: str, instead: str) -> Diagnostic:
+    who = "the launch file" if use.kind == LAUNCH else use.file.name
+    return UNRELEASED_DEPENDENCY.at(
+        use.file,
+        use.line,
+        use.package,
+        message=f"ROS 2 {distro} does not have the package `{use.package}`, which {who} uses; only "
+        f"{', '.join(released_packages()[use.package])} have it.",
+        hint=f"Use {instead}.",
+        severity=Severity.ERROR if use.kind == LAUNCH else None,
+    )
 
 
 def _is_misspelled_in(package: str, declared: Iterable[str]) -> bool:
@@ -254,14 +279,27 @@ def unused_dependencies(manifest: Manifest, unmentioned: Collection[str]) -> Ite
         )
 
 
-def _undeclared(file: Path, uses: Sequence[PackageUse]) -> Diagnostic:
+def _undeclared(file: Path, uses: Sequence[PackageUse], distro: str | None) -> Diagnostic:
     is_launch = any(use.kind == LAUNCH for use in uses)
     rule = UNDECLARED_PACKAGE if is_launch else UNDECLARED_DEPENDENCY
     message, hint = undeclared(
         sorted(use.package for use in uses),
         "the launch file uses" if is_launch else f"{file.name} uses",
     )
+    later = [
+        f"{instead} for {use.package}"
+        for use in uses
+        if (instead := successor(use.package, distro))
+    ]
+    if later:
+        hint += f"; from {_first_without('ros_ign_gazebo')} on, write {', '.join(sorted(later))}"
     return rule.at(file, min(use.line for use in uses), message=message, hint=hint)
+
+
+def _first_without(package: str) -> str:
+    """The first distribution that no longer has a package."""
+    newest = released_packages()[package][-1]
+    return all_distros()[all_distros().index(newest) + 1]
 
 
 def _not_for_run_time(manifest: Manifest, use: PackageUse) -> Diagnostic:
