@@ -10,6 +10,7 @@ from ros_nodes.sensor_messages import install_sensor_messages
 from ros_nodes.test_sensors import ROVER, SURROUNDINGS, mounted, simulated
 from wsgen.checks.rules import gazebo_topics
 from wsgen.descriptions.sdf.source import read_document
+from wsgen.gazebo.bridged_types import PAIRS
 from wsgen.gazebo.sensors import SENSORS as KNOWN_SENSORS
 from wsgen.live.nodes.simulator.sensors import SENSORS
 from wsgen.model.robot import Joint, JointType
@@ -35,7 +36,6 @@ def _messages(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def in_live_runs(text: str) -> tuple[set[tuple[str, str]], list[str]]:
     """Topics of Gazebo with their types, and warnings."""
-    from wsgen.live.nodes.simulator.gz_messages import PAIRS  # noqa: PLC0415  with fakes
 
     sensor = replace(mounted(text), frame="axle" if "force_torque" in text else "base")
     ((found, warnings),) = [

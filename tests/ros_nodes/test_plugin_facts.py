@@ -19,6 +19,7 @@ from ros_nodes.cars import CAR
 from ros_nodes.fake_ros import live_scene, plugin, simulation_of
 from ros_nodes.sensor_messages import install_sensor_messages
 from ros_nodes.test_sensors import SURROUNDINGS, mounted, simulated
+from wsgen.gazebo.bridged_types import PAIRS
 from wsgen.gazebo.plugins import CLASSIC, OF_CLASSIC, PLUGINS, SIM, Default, stem
 from wsgen.gazebo.sensors import SYSTEM_OF_SENSOR
 from wsgen.gazebo.systems import DEFAULT_SYSTEMS, systems
@@ -361,7 +362,6 @@ def test_sensors_take_the_plugins_that_are_known_and_read_their_parameters(
 
 @pytest.mark.parametrize("name", [*OF_ROBOTS, *WORLD_PLUGINS])
 def test_live_runs_have_the_topics_that_are_known(name: str) -> None:
-    from wsgen.live.nodes.simulator.gz_messages import PAIRS  # noqa: PLC0415  with fakes
 
     known, names = PLUGINS[name], {"model": "rover", "world": "w"}
     ways = dict.fromkeys(("", "topic", "sub_topic"), "own/name")

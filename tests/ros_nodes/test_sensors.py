@@ -14,6 +14,7 @@ import pytest
 from ros_nodes.fake_ros import FakeRos, simulation_of
 from ros_nodes.sensor_messages import install_sensor_messages
 from ros_nodes.sensor_texts import SOLID, element, world_of
+from wsgen.gazebo.bridged_types import PAIRS
 from wsgen.model.devices import Devices, MountedSensor, pose_of
 from wsgen.model.robot import Box, Collision, Link, Robot, Visual
 from wsgen.model.transform import IDENTITY, Pose
@@ -105,7 +106,6 @@ def run(
 
 
 def bridge_all(simulation: Any, ros: FakeRos) -> None:
-    from wsgen.live.nodes.simulator.gz_messages import PAIRS  # noqa: PLC0415  with fakes
     from wsgen.live.nodes.simulator.topics import Rule  # noqa: PLC0415
 
     gz = simulation.host.gz

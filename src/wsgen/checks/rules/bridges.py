@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.checks.rules.parameter_files import malformed_parameter_files
 from wsgen.checks.rules.simulators import BRIDGES
 from wsgen.diagnostics import Diagnostic, Rule, Severity
+from wsgen.gazebo.bridged_types import PAIRS, short_gz_type
 from wsgen.launching.commands import started_launch_files, started_programs
 from wsgen.text import yamlfile
 from wsgen.text.markup import read_text
@@ -96,39 +97,6 @@ OTHER_BRIDGE_TYPE = Rule(
     instead="arguments=['/odom@nav_msgs/msg/Odometry[gz.msgs.Odometry']",
 )
 
-# ROS package -> its messages with those of Gazebo, as ros_gz_bridge converts them, from Humble on.
-_CONVERTED = """
-actuator_msgs Actuators Actuators
-builtin_interfaces Time Time
-geometry_msgs Point Vector3d, Pose Pose, PoseArray Pose_V, PoseStamped Pose
-geometry_msgs PoseWithCovariance PoseWithCovariance, PoseWithCovarianceStamped PoseWithCovariance
-geometry_msgs Quaternion Quaternion, Transform Pose, TransformStamped Pose, Twist Twist
-geometry_msgs TwistStamped Twist, TwistWithCovariance TwistWithCovariance
-geometry_msgs TwistWithCovarianceStamped TwistWithCovariance, Vector3 Vector3d, Wrench Wrench
-geometry_msgs WrenchStamped Wrench
-gps_msgs GPSFix NavSat
-marine_acoustic_msgs Dvl DVLVelocityTracking
-nav_msgs Odometry Odometry, Odometry OdometryWithCovariance
-rcl_interfaces ParameterValue Any
-ros_gz_interfaces Altimeter Altimeter, Contact Contact, Contacts Contacts, Dataframe Dataframe
-ros_gz_interfaces Entity Entity, EntityFactory EntityFactory, EntityWrench EntityWrench
-ros_gz_interfaces Float32Array Float_V, GuiCamera GUICamera, JointWrench JointWrench, Light Light
-ros_gz_interfaces LogicalCameraImage LogicalCameraImage, MaterialColor MaterialColor
-ros_gz_interfaces ParamVec Param, ParamVec Param_V, SensorNoise SensorNoise
-ros_gz_interfaces StringVec StringMsg_V, TrackVisual TrackVisual, VideoRecord VideoRecord
-ros_gz_interfaces WorldControl WorldControl, WorldStatistics WorldStatistics
-rosgraph_msgs Clock Clock
-sensor_msgs BatteryState BatteryState, CameraInfo CameraInfo, FluidPressure FluidPressure
-sensor_msgs Image Image, Imu IMU, JointState Model, Joy Joy, LaserScan LaserScan
-sensor_msgs MagneticField Magnetometer, NavSatFix NavSat, PointCloud2 PointCloudPacked
-sensor_msgs Range LaserScan
-std_msgs Bool Boolean, ColorRGBA Color, Empty Empty, Float32 Float, Float64 Double
-std_msgs Header Header, Int32 Int32, UInt32 UInt32, String StringMsg
-tf2_msgs TFMessage Pose_V
-trajectory_msgs JointTrajectory JointTrajectory
-vision_msgs Detection2DArray AnnotatedAxisAligned2DBox_V, Detection2D AnnotatedAxisAligned2DBox
-vision_msgs Detection3DArray AnnotatedOriented3DBox_V, Detection3D AnnotatedOriented3DBox
-"""
 FROM_GZ, TO_GZ, BOTH = "[", "]", "@"
 DIRECTIONS = {"GZ_TO_ROS": FROM_GZ, "ROS_TO_GZ": TO_GZ, "BIDIRECTIONAL": BOTH}
 _OF_IGNITION = {"IGN_TO_ROS": "GZ_TO_ROS", "ROS_TO_IGN": "ROS_TO_GZ"}
@@ -139,7 +107,6 @@ _KEYS = frozenset(
         *("service_name", "gz_req_type_name", "gz_rep_type_name", "frame_id", "namespace"),
     )
 )
-_GZ_PREFIXES = ("gz.msgs.", "ignition.msgs.")
 _PROGRAMS = frozenset(("parameter_bridge", "bridge_node", "ros_gz_bridge::RosGzBridge"))
 _MISTYPED = lazy_pattern(r"(?:gz|ign|ignition)(?:\.|::|/)(?:msgs?)(?:\.|::|/)(\w+)")
 ALIKE = 0.65  # as below, where a topic of the same model has no other name that is near
@@ -274,9 +241,7 @@ def check_bridges(
 def unknown_types(bridge: Bridge) -> Iterator[Diagnostic]:
     """Report types that do not exist, and pairs that cannot be converted."""
     pairs = _pairs()
-    gz_name = next(
-        (bridge.gz_type.removeprefix(p) for p in _GZ_PREFIXES if bridge.gz_type.startswith(p)), None
-    )
+    gz_name = short_gz_type(bridge.gz_type)
     gz_names = {gz for _, gz in pairs}
     prefix = "ignition.msgs." if bridge.gz_type.startswith("ign") else "gz.msgs."
     if gz_name is None:
@@ -567,10 +532,6 @@ def _why_invalid(texts: dict[str, str]) -> tuple[str, str] | None:
 @cache
 def _pairs() -> frozenset[tuple[str, str]]:
     """The types that are converted to each other: of ROS, and of Gazebo without `gz.msgs.`."""
-    found = set()
-    for line in _CONVERTED.strip().splitlines():
-        package, _, rest = line.partition(" ")
-        for pair in rest.split(", "):
-            ros, gz = pair.split()
-            found.add((f"{package}/msg/{ros}", gz))
-    return frozenset(found)
+    return frozenset(
+        (ros.replace("/", "/msg/"), gz) for gz, types in PAIRS.items() for ros in types
+    )

@@ -11,14 +11,8 @@ import math
 import time
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
-from wsgen.live.nodes.simulator.gz_messages import (
-    PAIRS,
-    conversion,
-    message_class,
-    name_of,
-    short_gz_type,
-    short_ros_type,
-)
+from wsgen.gazebo.bridged_types import PAIRS, short_gz_type, short_ros_type
+from wsgen.live.nodes.simulator.gz_messages import conversion, message_class, name_of
 from wsgen.text.suggestions import did_you_mean, nearest
 
 if TYPE_CHECKING:
