@@ -21,9 +21,6 @@ from wsgen.diagnostics import Rule, Severity
 from wsgen.isolation import parent
 from wsgen.launching.simulators import find_simulator
 from wsgen.launching.spawning import assume_spawn, find_spawns
-from wsgen.packages.build_files.facts import read_build_facts
-from wsgen.packages.build_files.python_sources import program_files
-from wsgen.packages.workspace.python_nodes import read_node_file
 from wsgen.pipeline.prepare import PrepareContext, find_model, keeps_out, read_file
 from wsgen.text.files import read_regular
 
@@ -98,6 +95,11 @@ def _calls_spawn_service(program: Process, overlay: Overlay) -> bool:
     package = next((one for one in overlay.written if one.name == program.package), None)
     if package is None or package.manifest is None:
         return False
+    # Few launch files come here, and these read all of CMake.
+    from wsgen.packages.build_files.facts import read_build_facts  # noqa: PLC0415
+    from wsgen.packages.build_files.python_sources import program_files  # noqa: PLC0415
+    from wsgen.packages.workspace.python_nodes import read_node_file  # noqa: PLC0415
+
     facts, _ = read_build_facts(package.path, package.name, package.build_type)
     file = program_files(facts).get(program.executable or "")
     node = None if file is None else read_node_file(file)
