@@ -172,6 +172,7 @@ def test_a_name_that_package_xml_misspells_alike() -> None:
     assert (found.code, found.hint) == ("PKG088", "Did you mean `geometry_msgs`?")
     # It may be a package that is not here, and is only nearly the name of another one here.
     assert check_build(required("my_robt"), depend="my_robt") == []
+    assert check_build(required("nav-msgs"), depend="nav-msgs") == []
 
 
 @pytest.mark.parametrize("name", ["yaml-cpp", "Eigen3", "sophus", "urdfdom", "my_libs", "gz-sim8"])

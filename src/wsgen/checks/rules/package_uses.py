@@ -432,7 +432,10 @@ def _misspelled(
     """Report a name that is nearly one of `packages`; `others` may be written, too."""
     if one.name in packages or one.name in cmake_packages() or one.name in GENERATORS:
         return
-    if one.name in others and misspelled_as(one.name, released_packages()) is None:
+    ros_name = one.name.replace("-", "_")  # CMake may know a released package with hyphens
+    if one.name in others and (
+        ros_name in packages or misspelled_as(ros_name, released_packages()) is None
+    ):
         return  # package.xml names it, too: it may be a package that nobody here has
     declared = [name for name in others if name in packages]
     plural = f"{one.name}s"  # of std_msgs
