@@ -11,6 +11,7 @@
 //   listen TOPIC TYPE               keep the last message of a topic
 //   heard TOPIC                     it, and how many came
 //   sensors                         each sensor measures now, whatever its rate
+//   picture SENSOR FILE             what a camera sees: its bytes, or floats of a depth camera
 //
 // Units are those of Gazebo: m, rad, kg, N. A quaternion is w, x, y, z. Poses and velocities are
 // seen from the world, `cog` from the link; `inertia` (ixx, iyy, izz, ixy, ixz, iyz) is about the
@@ -52,6 +53,7 @@ using Clock = std::chrono::steady_clock;
 
 const auto kPatience = std::chrono::seconds(60);
 const auto kDelivery = std::chrono::milliseconds(200);  // of a message
+const int kSame = 5;  // pictures, that nothing more comes
 
 std::string Quoted(const std::string &text)
 {
@@ -210,6 +212,8 @@ class Driver
     }
     if (command == "sensors")
       return this->Sensors();
+    if (command == "picture")
+      return this->Picture(words);
     return "{\"error\":\"unknown command\"}";
   }
 
@@ -341,6 +345,55 @@ class Driver
     }
     std::this_thread::sleep_for(kDelivery);
     return out + "]}";
+  }
+
+  // The scene of a camera hears of models, lights and meshes by and by: the same picture several
+  // times is the whole.
+  std::string Picture(std::istringstream &words)
+  {
+    std::string name, file;
+    words >> name >> file;
+    sensors::run_once(true);  // gets new ones ready
+    const auto sensor = sensors::get_sensor(name);
+    if (!sensor)
+      return "{\"error\":\"no sensor\"}";
+    // Of a depth camera there is only what something listens to.
+    const auto subscriber = this->node->Subscribe(sensor->Topic(), &Driver::Ignore, this);
+    const auto end = Clock::now() + kPatience;
+    std::string picture;
+    for (int same = 0; same < kSame && Clock::now() < end;)
+    {
+      runWorld(this->world, 1);  // a sensor takes one picture at a time
+      sensors::run_once(true);
+      const auto seen = Seen(sensor);
+      same = !seen.empty() && seen == picture ? same + 1 : 0;
+      picture = seen;
+      std::this_thread::sleep_for(kDelivery);
+    }
+    if (picture.empty())
+      return "{\"error\":\"no picture\"}";
+    std::ofstream(file, std::ios::binary) << picture;
+    return "{\"bytes\":" + std::to_string(picture.size()) + "}";
+  }
+
+  void Ignore(ConstImageStampedPtr &) {}
+
+  static std::string Seen(const sensors::SensorPtr &sensor)
+  {
+    const char *data = nullptr;
+    std::size_t pixels = 0, size = 3;
+    if (const auto depth = std::dynamic_pointer_cast<sensors::DepthCameraSensor>(sensor))
+    {
+      data = reinterpret_cast<const char *>(depth->DepthData());
+      pixels = depth->ImageWidth() * depth->ImageHeight();
+      size = sizeof(float);
+    }
+    else if (const auto camera = std::dynamic_pointer_cast<sensors::CameraSensor>(sensor))
+    {
+      data = reinterpret_cast<const char *>(camera->ImageData());
+      pixels = camera->ImageWidth() * camera->ImageHeight();
+    }
+    return data ? std::string(data, pixels * size) : std::string();
   }
 
   physics::WorldPtr world;

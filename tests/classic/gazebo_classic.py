@@ -33,6 +33,12 @@ mount -t proc proc "$0/proc"
 mount -t tmpfs tmpfs "$0/tmp"
 exec chroot "$0" "$@"
 """
+# Cameras draw on a display, of this network alone; it ends with the server.
+DISPLAY = """setpriv --pdeathsig KILL Xvfb :0 -screen 0 64x64x24 -nolisten tcp >&2 &
+until [ -e /tmp/.X11-unix/X0 ]; do sleep 0.1; done
+export DISPLAY=:0 LP_NUM_THREADS=1
+exec "$@"
+"""
 VARIABLES = {
     "HOME": "/tmp",
     "PATH": "/usr/sbin:/usr/bin:/sbin:/bin",
@@ -67,12 +73,17 @@ class GazeboClassic:
     Args:
         world: The file of the world; what it says of `model://` is looked for in `models`, too.
         models: Folders with models.
+        has_display: For cameras.
     """
 
-    def __init__(self, world: Path, models: tuple[Path, ...] = ()) -> None:
+    def __init__(
+        self, world: Path, models: tuple[Path, ...] = (), *, has_display: bool = False
+    ) -> None:
         path = ":".join((*(inside(folder) for folder in models), MODELS))
         variables = {**VARIABLES, "GAZEBO_MODEL_PATH": path}
         command = ["prlimit", f"--cpu={SECONDS:.0f}", _program()]
+        if has_display:
+            command = ["sh", "-c", DISPLAY, "sh", *command]
         self._log = tempfile.TemporaryFile()  # noqa: SIM115  closed with the server
         self._server = _start(command, variables, self._log)
         self.ask("world", inside(world))

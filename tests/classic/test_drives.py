@@ -107,19 +107,19 @@ class Subject(NamedTuple):
 def subject(name: str, folder: Path) -> Subject:
     if name in ROVERS:
         rover = ROVERS[name]
-        return Subject(rover.urdf, _lumped(rover.urdf), rover.drive, rover.height)
+        return Subject(rover.urdf, lumped(rover.urdf), rover.drive, rover.height)
     source = GOLDEN / f"{name}-iron-classic/ws_gazebo/src/gazebo_test/model"
     for file in source.iterdir():
         text = file.read_text(encoding="utf-8").replace("$(find gazebo_test)/model", str(folder))
         (folder / file.name).write_text(text, encoding="utf-8")
     text = xacro.process_file(str(folder / "robot.xacro")).toxml()
-    robot = _lumped(text)
+    robot = lumped(text)
     drive = find_diff_drive(robot)
     assert not isinstance(drive, NoDrive)
     return Subject(text, robot, drive, 0.002)
 
 
-def _lumped(text: str) -> Robot:
+def lumped(text: str) -> Robot:
     file = Path("r.urdf")
     robot, _ = read_urdf(text, file=file)
     assert robot is not None

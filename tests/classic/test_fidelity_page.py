@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from classic import (
+    test_cameras,
     test_classic_robots,
     test_descriptions,
     test_drives,
@@ -122,6 +123,14 @@ def measured() -> str:
         *(
             f"- `{case}`{f' in {NAMES[engine]}' if engine else ''}, {100 * bound:g} %: {why}."
             for (case, engine), (bound, why) in test_drives.LEFT.items()
+        ),
+        "",
+        "What cameras see in another color, by the name or the element of what it is painted with:",
+        "",
+        *(
+            f"- {listed([paint for paint, its in test_cameras.DIFFERENT.items() if its == why])}:"
+            f" {why}."
+            for why in dict.fromkeys(test_cameras.DIFFERENT.values())
         ),
         "",
     ))  # fmt: skip

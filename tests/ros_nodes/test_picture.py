@@ -169,8 +169,8 @@ CAMERA = (
 )
 
 
-def spec_of(more: str = "", *, measures_depth: bool = False) -> CameraSpec:
-    return read_camera(element(CAMERA.format(more)), measures_depth=measures_depth)
+def spec_of(more: str = "", *, sees_near: bool = False) -> CameraSpec:
+    return read_camera(element(CAMERA.format(more)), sees_near=sees_near)
 
 
 def test_the_field_of_view_makes_the_focal_length() -> None:
@@ -178,7 +178,7 @@ def test_the_field_of_view_makes_the_focal_length() -> None:
     focal = 50 / math.tan(0.75)
     assert spec.lens.focal == pytest.approx(focal)
     assert (spec.lens.near, spec.lens.far) == (0.2, 9.0)
-    assert spec_of(measures_depth=True).lens.near == 0.01
+    assert spec_of(sees_near=True).lens.near == 0.01
     found = gz_intrinsics(element(CAMERA.format("")), spec)
     assert found.k == pytest.approx([focal, 0, 50, 0, focal, 25, 0, 0, 1])
     assert found.p == pytest.approx([focal, 0, 50, 0, 0, focal, 25, 0, 0, 0, 1, 0])
@@ -220,7 +220,7 @@ def test_intrinsics_may_be_written() -> None:
 )
 def test_what_makes_no_picture_is_reported(text: str, expected: str) -> None:
     with pytest.raises(CannotWorkError, match=expected):
-        read_camera(element(text), measures_depth=False)
+        read_camera(element(text), sees_near=False)
 
 
 def test_encodings() -> None:

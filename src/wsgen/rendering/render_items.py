@@ -48,17 +48,22 @@ class RenderItem:
         return pose if all(map(math.isfinite, (*pose.xyz, *pose.rpy))) else None
 
 
-def list_render_items(scene: Scene, refused: Container[str]) -> list[RenderItem]:
+def list_render_items(
+    scene: Scene, refused: Container[str], *, unpainted: Rgba | None = None
+) -> list[RenderItem]:
     """What can be drawn of the robots that the engine took.
 
     A link without a visual that can be drawn shows its collisions, unless its maker has made its
     visuals invisible; a robot of which nothing is seen then shows those, too.
+
+    With `unpainted`, the color of what has none, colors are as they are, for a sensor; those of
+    pictures show more.
     """
     return [
         render_item
         for robot in scene.robots
         if robot.entity not in refused
-        for render_item in _of_robot(robot, is_subject=robot in subjects(scene))
+        for render_item in _of_robot(robot, unpainted, is_subject=robot in subjects(scene))
     ]
 
 
@@ -71,22 +76,31 @@ def subjects(scene: Scene) -> Sequence[SpawnedRobot]:
     return [robot for robot in robots if not robot.is_of_world] or robots or scene.robots
 
 
-def _of_robot(robot: SpawnedRobot, *, is_subject: bool) -> list[RenderItem]:
+def _of_robot(robot: SpawnedRobot, unpainted: Rgba | None, *, is_subject: bool) -> list[RenderItem]:
     links = robot.robot.links
-    seen = [one for link in links for one in _of_link(robot.entity, link, is_subject=is_subject)]
+    seen = [
+        one
+        for link in links
+        for one in _of_link(robot.entity, link, unpainted, is_subject=is_subject)
+    ]
     return seen or [
         one for link in links for one in _collisions(robot.entity, link, is_subject=is_subject)
     ]
 
 
-def _of_link(entity: str, link: Link, *, is_subject: bool) -> Iterator[RenderItem]:
+def _of_link(
+    entity: str, link: Link, unpainted: Rgba | None, *, is_subject: bool
+) -> Iterator[RenderItem]:
     visuals = [
         (visual, geometry) for visual in link.visuals if (geometry := drawable(visual.geometry))
     ]
     if not visuals:
         yield from _collisions(entity, link, is_subject=is_subject)
     for visual, geometry in visuals:
-        rgba = color_of(visual, UNPAINTED if is_subject else UNPAINTED_STATIC_MODEL)
+        if unpainted is not None:
+            rgba = visual.rgba or (WHITE if visual.texture else unpainted)
+        else:
+            rgba = color_of(visual, UNPAINTED if is_subject else UNPAINTED_STATIC_MODEL)
         if rgba[3] >= INVISIBLE:
             yield RenderItem(
                 entity=entity,

@@ -307,9 +307,12 @@ class Renderer:
                 colors[:, block] = behind + (rgb - behind) * alpha
         return fronts
 
-    def flat_colors(self, seen: Seen) -> tuple[NDArray[np.intp], Floats]:
+    def flat_colors(
+        self, seen: Seen, *, ambient: float, sun: Vector
+    ) -> tuple[NDArray[np.intp], Floats]:
         """The colors of what is solid, a tenth of the work of `paint`: one for each triangle.
 
+        The light is that of Gazebo: `ambient` (0 to 1) everywhere, and the color of the `sun`.
         For each sample the place of its color among the colors (n by 3, 0 to 1); the first is for
         where nothing is seen. Textures are left out.
         """
@@ -323,10 +326,9 @@ class Renderer:
         drawn -= 1
         first, second, third = (seen.corners[:, corner].take(drawn, axis=1) for corner in range(3))
         normal = _normal(seen.view, _cross(second - first, third - first), first)[0]
-        ambient = AMBIENT + SKY * normal[2] + FILL * np.abs(seen.view.axis @ normal)
-        lit = ambient + SUN * np.maximum(self._light @ normal, 0)
+        lit = ambient + np.outer(np.maximum(self._light @ normal, 0), np.array(sun, np.float32))
         colors = np.zeros((len(drawn) + 1, 3), dtype=np.float32)
-        colors[1:] = np.minimum(self._rgba[self._item[drawn], :3] * lit[:, None], 1)
+        colors[1:] = np.minimum(self._rgba[self._item[drawn], :3] * lit, 1)
         return place.take(triangle), colors
 
     def texels(self, seen: Seen) -> Iterator[tuple[Indices, Floats]]:

@@ -1,7 +1,7 @@
 """What the camera of a robot sees: a color and a depth for each pixel.
 
 Colors are those of visuals in the light of the world's sun, without shadows; the ground is gray.
-What has no visual is not seen, as in Gazebo.
+What has no visual is not seen, nor is the inside of a closed one, as in Gazebo.
 """
 
 from __future__ import annotations
@@ -13,9 +13,8 @@ import numpy as np
 
 from wsgen.model.transform import rotation_of_rpy
 from wsgen.rendering.camera import View
-from wsgen.rendering.render_items import list_render_items
-from wsgen.rendering.renderer import Light, Renderer, nearness_of
-from wsgen.rendering.scene_renderer import sun_of
+from wsgen.rendering.render_items import UNPAINTED, WHITE, list_render_items
+from wsgen.rendering.renderer import Renderer, nearness_of
 from wsgen.simulation.scene import Scene
 from wsgen.text.values import dataclass
 
@@ -31,7 +30,9 @@ if TYPE_CHECKING:
     Poses = Mapping[str, Mapping[str, Pose]]
 
 BACKGROUND = 0.7  # of red, green and blue, 0 to 1: Gazebo's, where nothing is
-GROUND = 0.45  # likewise: darker, so that a horizon is seen
+AMBIENT = 0.4  # light, likewise, of a scene that does not say another
+GROUND_AMBIENT, GROUND_DIFFUSE = 0.3, 0.7  # `Gazebo/Grey`, which the ground is painted with
+GROUND_EDGE = 50.0  # m, from the origin to each edge of the ground that is seen
 LEVELS = 255
 
 
@@ -62,20 +63,31 @@ class Exposure(NamedTuple):
 class SensorScene:
     """A world that cameras look at."""
 
-    def __init__(self, world: World, robots: Sequence[SpawnedRobot]) -> None:
-        """Load what can be seen of the robots, static models among them."""
-        items = list_render_items(Scene(world=world, robots=tuple(robots)), frozenset())
-        towards, _ = sun_of(world)
-        self._renderer = Renderer(
-            [item for item in items if not item.is_collision], towards_light=towards
+    def __init__(
+        self, world: World, robots: Sequence[SpawnedRobot], *, is_classic: bool = False
+    ) -> None:
+        """Load what can be seen of the robots, static models among them.
+
+        What has no color is white in Gazebo Classic.
+        """
+        items = list_render_items(
+            Scene(world=world, robots=tuple(robots)),
+            frozenset(),
+            unpainted=WHITE if is_classic else UNPAINTED,
         )
+        x, y, z = world.sun_direction
+        self._sun = world.sun_color
+        self._renderer = Renderer(
+            [item for item in items if not item.is_collision], towards_light=(-x, -y, -z)
+        )
+        self._ground_color = [GROUND_AMBIENT * AMBIENT - GROUND_DIFFUSE * z * c for c in self._sun]
         self._has_ground = world.has_ground_plane
 
     def expose(self, lens: Lens, pose: Pose, poses: Poses, *, in_color: bool) -> Exposure:
         """What a camera at this place in the world sees, with all links at their poses."""
         self._renderer.arrange(dict(poses))
         view = lens.view(pose)
-        seen = self._renderer.see(view)
+        seen = self._renderer.see(view, fronts=self._renderer.closed)
         keys = seen.nearest
         depth = np.full(keys.shape, np.inf, dtype=np.float32)
         places = np.flatnonzero(keys)
@@ -89,8 +101,8 @@ class SensorScene:
         shape = (lens.height, lens.width)
         if not in_color:
             return Exposure(depth.reshape(shape), None)
-        place, colors = self._renderer.flat_colors(seen)
-        colors = np.concatenate([colors, [[GROUND] * 3]]).astype(np.float32)
+        place, colors = self._renderer.flat_colors(seen, ambient=AMBIENT, sun=self._sun)
+        colors = np.concatenate([colors, [self._ground_color]]).astype(np.float32)
         colors[0] = BACKGROUND
         if ground is not None:
             place[is_ground] = len(colors) - 1
@@ -104,24 +116,35 @@ class SensorScene:
             rgb[there] = _levels(shades).T
         others = self._renderer.transparent(seen)
         if others is not None:
-            painted = np.ascontiguousarray(rgb.T).astype(np.float32) / np.float32(LEVELS)
-            self._renderer.paint(painted, others, Light(None, None))
-            through = np.flatnonzero((others.nearest > 0) & ~hidden)
-            rgb[through] = _levels(painted.T[through])
+            keys = others.nearest
+            through = np.flatnonzero((keys > 0) & ~hidden)
+            place, colors = self._renderer.flat_colors(
+                others._replace(solid=keys), ambient=AMBIENT, sun=self._sun
+            )
+            behind = rgb[through] / np.float32(LEVELS)
+            alpha = self._renderer.opacity[self._renderer.items_of(keys[through])]
+            behind += (colors[place[through]] - behind) * alpha[:, None]
+            rgb[through] = _levels(behind)
         return Exposure(depth.reshape(shape), rgb.reshape(*shape, 3))
 
     @staticmethod
     def _ground(lens: Lens, view: View) -> NDArray[np.float32] | None:
-        """The depth of the ground, the plane z = 0, in each pixel; None where it is not seen."""
+        """The depth of the ground, a square at z = 0, in each pixel; None where it is not seen."""
         if view.origin[2] <= 0:
             return None
-        right, down, ahead = np.linalg.inv(view.matrix)[2]
-        columns = (np.arange(lens.width) + 0.5 - lens.width / 2) * right + ahead
-        rows = (np.arange(lens.height) + 0.5 - lens.height / 2) * down
-        falls = (rows[:, None] + columns).astype(np.float32).ravel()
+        columns = np.arange(lens.width) + 0.5 - lens.width / 2
+        rows = (np.arange(lens.height) + 0.5 - lens.height / 2)[:, None]
+        # How x, y and z change along the ray of each pixel, for each meter of depth.
+        x, y, falls = (
+            (rows * down + (columns * right + ahead)).astype(np.float32).ravel()
+            for right, down, ahead in np.linalg.inv(view.matrix)
+        )
         depth = np.full(falls.shape, np.inf, dtype=np.float32)
         np.divide(-np.float32(view.origin[2]), falls, out=depth, where=falls < 0)
         depth[depth < lens.near] = np.inf
+        with np.errstate(invalid="ignore"):  # a ray that never arrives
+            for start, way in zip(view.origin, (x, y), strict=False):
+                depth[np.abs(start + way * depth) > GROUND_EDGE] = np.inf
         return depth
 
 

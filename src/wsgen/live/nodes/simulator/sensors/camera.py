@@ -79,14 +79,15 @@ class Eye(NamedTuple):
 class _Drawing:
     """What all cameras of a simulator share."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, is_classic: bool) -> None:
+        self._is_classic = is_classic
         self._robots: tuple[Any, ...] = ()
         self._scene: SensorScene | None = None
 
     def scene(self, view: Any) -> SensorScene:
         """The world as it is; loaded again when robots came or went."""
         if self._scene is None or self._robots != tuple(map(id, view.robots)):
-            self._scene = SensorScene(view.world, view.robots)
+            self._scene = SensorScene(view.world, view.robots, is_classic=self._is_classic)
             self._robots = tuple(map(id, view.robots))
         return self._scene
 
@@ -113,7 +114,7 @@ class Camera(Sensor):
             raise CannotWorkError("Gazebo Sim has none. Write a sensor for each camera.")
         else:
             self._open_gz(cameras[0])
-        self._drawing = _drawings.setdefault(host, _Drawing())
+        self._drawing = _drawings.setdefault(host, _Drawing(is_classic=host.simulator == "classic"))
         if not self.eyes:
             self.period = NEVER
 
@@ -127,7 +128,7 @@ class Camera(Sensor):
             return self.host.publisher(self.robot, kind, topic, node=node, qos=qos)
 
         for camera in cameras if is_several else cameras[:1]:
-            spec = read_camera(camera, measures_depth=self.is_depth)
+            spec = read_camera(camera, sees_near=False)
             base = f"{name}/{camera.attributes.get('name', 'default')}" if is_several else name
             infos = [publisher(CameraInfo, f"{base}/camera_info")]
             if self.is_depth:
@@ -142,7 +143,7 @@ class Camera(Sensor):
                     publisher(Image, f"{base}/depth/image_raw") if self.is_depth else None,
                     publisher(PointCloud2, f"{base}/points", 1) if self.is_depth else None,
                     number(plugin, "min_depth"),
-                    min(spec.far, number(plugin, "max_depth")),
+                    number(plugin, "max_depth"),
                 )
             )
         if boolean(plugin, "triggered"):
@@ -150,7 +151,7 @@ class Camera(Sensor):
 
     def _open_gz(self, camera: Element) -> None:
         measures_depth = self.is_depth or self.is_rgbd
-        spec = read_camera(camera, measures_depth=measures_depth)
+        spec = read_camera(camera, sees_near=measures_depth)
         suffix = "" if self.is_rgbd else "/depth_image" if self.is_depth else "/image"
         topic = self.topic(suffix)
         info = f"{topic}/camera_info"  # whatever the description says
@@ -222,6 +223,8 @@ class Camera(Sensor):
             eye.image.publish(self._image(eye, pixels, eye.spec.encoding))
         if eye.depth is None and eye.points is None:
             return
+        if self.host.simulator == "classic":  # where nothing is, is the end of what it sees
+            depth = np.minimum(depth, np.float32(eye.spec.far))
         if self.is_depth and eye.spec.noise:
             noise = self._random.normal(eye.spec.noise_mean, eye.spec.noise, depth.shape)
             depth = (depth + noise).astype(np.float32)

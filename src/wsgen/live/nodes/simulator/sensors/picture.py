@@ -82,8 +82,8 @@ class Intrinsics(NamedTuple):
         return [fx, 0.0, cx, tx, 0.0, fy, cy, ty, 0.0, 0.0, 1.0, 0.0]
 
 
-def read_camera(camera: Element, *, measures_depth: bool) -> CameraSpec:
-    """What a <camera> says.
+def read_camera(camera: Element, *, sees_near: bool) -> CameraSpec:
+    """What a <camera> says; `sees_near` is of depth cameras of Gazebo Sim.
 
     Raises:
         CannotWorkError: A number of it is none, or makes no picture.
@@ -113,7 +113,7 @@ def read_camera(camera: Element, *, measures_depth: bool) -> CameraSpec:
             height=height,
             focal=focal,
             # What is too near is measured as such, and hides what is behind it.
-            near=min(near, LEAST_NEAR) if measures_depth else near,
+            near=min(near, LEAST_NEAR) if sees_near else near,
             far=far,
         ),
         pose=pose_of(camera.find("pose")),
