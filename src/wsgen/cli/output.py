@@ -186,7 +186,7 @@ def _package(
         )
     if package.robots:
         lines += ["", *_robots(package, quiet=quiet)]
-        lines += _behaviors(package)
+        lines += fit_lines(_behaviors(package))
     lines += _reported(package, diagnostics, verbose=verbose)
     if package.picture is not None:
         scale = f"  (a square is {package.picture_tile:g} m)" if package.picture_tile else ""
