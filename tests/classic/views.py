@@ -9,7 +9,7 @@ import math
 import re
 from typing import TYPE_CHECKING, NamedTuple
 
-from classic.test_drives import Subject, lumped, subject
+from classic.test_drives import Subject, subject
 from mesh_samples import binary_stl
 from wsgen.model.robot import GAZEBO_COLORS
 from wsgen.model.transform import Pose
@@ -170,14 +170,9 @@ def placed(name: str) -> Pose:
 
 
 def robot_of(folder: Path) -> Subject:
-    """The template `diff_drive`, but for its sensors and the names of its visuals.
-
-    By the name of a visual the parser of Gazebo Classic keeps the link's `<material>` from it.
-    """
+    """The template `diff_drive`, but for its sensors."""
     one = subject("diff_drive", folder)
-    text = re.sub(r"<sensor.*?</sensor>", "", one.urdf, flags=re.DOTALL)
-    urdf = re.sub(r"<visual name=\"\w+\">", "<visual>", text)
-    return one._replace(urdf=urdf, robot=lumped(urdf))
+    return one._replace(urdf=re.sub(r"<sensor.*?</sensor>", "", one.urdf, flags=re.DOTALL))
 
 
 def write_world(folder: Path, seen_from: str = "") -> Path:

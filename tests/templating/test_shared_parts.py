@@ -1,5 +1,6 @@
 """What robots have in common exists once: a change of it reaches all that have it, and no other."""
 
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -114,6 +115,18 @@ def test_a_change_of_the_publisher_reaches_both_launch_files(
     for case, paths in changed.items():
         both = {"launch/gazebo_model.launch.py", "launch/display.launch.py"}
         assert paths == (both if with_joints(*CASES[case]) else {"launch/gazebo_model.launch.py"})
+
+
+def test_gazebo_classic_paints_named_visuals(before: dict[str, RenderedTree]) -> None:
+    """It does so only if the name begins with that of the link."""
+    painted = set()
+    for tree in before.values():
+        text = str(tree["model/robot.xacro"])
+        for link, content in re.findall(r'<link name="([^"]+)">(.*?)</link>', text, re.DOTALL):
+            for name in re.findall(r'<visual name="([^"]+)"', content):
+                assert name.startswith(f"{link}_")
+                painted.add(name)
+    assert "${name}_tire" in painted
 
 
 def changed_by(
