@@ -344,7 +344,7 @@ def test_misspelled_configuration(space: InstallSpace) -> None:
     ("value", "meant"),
     [
         ("xml.dom.minidom.parseString('<a/>')", ".toxml()"),
-        ("object()", "check the types"),
+        ("object()", "Check the types"),
     ],
 )
 def test_document_instead_of_its_text(space: InstallSpace, value: str, meant: str) -> None:

@@ -126,7 +126,7 @@ def test_what_fails_is_not_said_to_lack_the_argument(space: InstallSpace) -> Non
 
 @pytest.mark.parametrize("how", ["process_file", "Command"])
 @pytest.mark.parametrize(
-    ("argument", "meant"), [("sise", "Did you mean `size`?"), ("nope", "Use one of `size`.")]
+    ("argument", "meant"), [("sise", "Did you mean `size`?"), ("nope", "It has `size`.")]
 )
 def test_argument_of_xacro(space: InstallSpace, how: str, argument: str, meant: str) -> None:
     share = space.add("my_robot", {"r.xacro": ROBOT})
