@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 pytestmark = pytest.mark.skipif(IGN is None, reason="needs Gazebo's `ign sdf`")
 
 
+@pytest.mark.slow
 def test_a_hang_is_no_refusal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(gazebo_oracle, "SECONDS", 1)
     os.mkfifo(tmp_path / "r.urdf")  # nobody writes to it

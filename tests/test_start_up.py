@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 SCRIPT = """
 import sys
 from wsgen.cli import run
@@ -105,6 +107,7 @@ def test_new_loads_what_it_renders_with(tmp_path: Path) -> None:
     }
 
 
+@pytest.mark.slow
 def test_doctor_loads_no_library_but_what_draws_its_table(tmp_path: Path) -> None:
     modules = loaded(tmp_path, "doctor")
     packages = rooms(modules)

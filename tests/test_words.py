@@ -93,6 +93,7 @@ def report(places: list[str]) -> None:
         pytest.fail("\n".join(places), pytrace=False)
 
 
+@pytest.mark.slow
 def test_messages() -> None:
     places = {
         f"{path.relative_to(ROOT)}:{text.lineno + line}: {word}"

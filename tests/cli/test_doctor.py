@@ -29,6 +29,7 @@ def loaded_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(machine, "_why_no_picture", why_no_picture)
 
 
+@pytest.mark.slow
 def test_this_machine(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["doctor"]) == 0
     printed = capsys.readouterr()
@@ -60,6 +61,7 @@ def test_a_narrow_terminal(
     assert len({len(line.rstrip()) > 30 for line in marked if "colcon" in line}) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("loaded_once")
 @pytest.mark.parametrize("place", [".", "src/my_robot"])
 def test_the_target_of_the_packages_here(
@@ -145,6 +147,7 @@ def test_something_is_missing(
     assert json.loads(capsys.readouterr().out)["passed"] is False
 
 
+@pytest.mark.slow
 def test_no_path(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.delenv("PATH")
     # The wheels bring what wsgen needs, wherever PATH leads.

@@ -342,6 +342,7 @@ def test_a_full_disk_is_not_a_bug(
     assert len(printed.splitlines()) == 2
 
 
+@pytest.mark.slow
 def test_what_the_encoding_of_a_pipe_does_not_have(tmp_path: Path) -> None:
     """Windows has such pipes: not even an arrow is in this encoding."""
     node = "Node(package='turtlesim', executable='draw', remappings=[('here', 'there')])"

@@ -39,6 +39,7 @@ def sweep(*words: str) -> int:
     return wsgen.cli.run(["sweep", "box.urdf.xacro", "--seconds", "0.5", *words])
 
 
+@pytest.mark.slow
 def test_from_which_height_on_a_box_tips_on_a_slope(
     box: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -54,6 +55,7 @@ def test_from_which_height_on_a_box_tips_on_a_slope(
     assert [line.split(",")[3] for line in lines[1:]] == ["true", "true", "true", "false", "false"]
 
 
+@pytest.mark.slow
 def test_the_same_command_does_nothing_again_and_another_one_is_refused(
     box: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -72,6 +74,7 @@ def test_the_same_command_does_nothing_again_and_another_one_is_refused(
     assert Path("t.jsonl").read_bytes() == table
 
 
+@pytest.mark.slow
 def test_a_variant_that_does_not_expand_is_a_row(
     box: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -123,6 +126,7 @@ def test_what_is_refused_before_anything_runs(
     assert [file.name for file in box.parent.iterdir()] == [box.name]
 
 
+@pytest.mark.slow
 def test_what_a_push_cannot_move(box: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert sweep("--over", "push.force=0,1", "--over", "height=0.1") == 0
     assert "still acts at the end of runs of 0.5 s. Give --seconds 2" in capsys.readouterr().err
@@ -213,6 +217,7 @@ def test_where_no_variant_has_a_robot_nothing_is_run(
     assert [file.name for file in box.parent.iterdir()] == [box.name]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("edit", ["change", "swap"])
 def test_files_that_only_some_variants_read_count(
     box: Path, capsys: pytest.CaptureFixture[str], edit: str

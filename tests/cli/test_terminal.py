@@ -147,6 +147,7 @@ def test_markdown_is_drawn_on_a_terminal(columns: int) -> None:
     assert "Title" in drawn
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "is_loaded"),
     [
@@ -173,6 +174,7 @@ def test_rich_is_loaded_where_something_is_drawn(
     assert run.stdout.splitlines()[-1] == str(is_loaded)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("color", "is_colored"), [("auto", False), ("always", True), ("never", False)]
 )

@@ -194,6 +194,7 @@ def test_pictures_are_drawn_or_it_is_said_what_keeps_them_from_it(tmp_path: Path
     assert broken.passed  # all else can be done
 
 
+@pytest.mark.slow
 def test_this_machine_draws_in_a_child_whose_death_is_reported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -434,6 +435,7 @@ def test_what_has_ended_is_said(tmp_path: Path) -> None:
     assert check(machine(tmp_path), JAZZY).notes == ()
 
 
+@pytest.mark.slow
 def test_this_machine() -> None:
     found = check_machine(here(os.environ), IRON, today=TODAY)
     assert found.passed

@@ -321,6 +321,7 @@ def test_the_package_is_sound(tmp_path: Path) -> None:
     assert diagnostics(tmp_path / "my_robot") == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES, ids=[f"{case[0]}-{case[1]}" for case in CASES])
 def test_a_mistake_is_fixed(tmp_path: Path, case: tuple[str, ...]) -> None:
     name, changed, good, bad = case[:4]
@@ -344,6 +345,7 @@ def test_a_mistake_is_fixed(tmp_path: Path, case: tuple[str, ...]) -> None:
     }
 
 
+@pytest.mark.slow
 def test_many_mistakes_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = tmp_path / "my_robot"
     write(folder)

@@ -220,6 +220,7 @@ def test_a_module_that_crashes_when_it_is_imported(fork_server: ForkServer, task
     assert died.output == "no graphics"
 
 
+@pytest.mark.slow
 def test_a_module_that_is_never_imported(fork_server: ForkServer, task: Task) -> None:
     name = task("return 1", before="import time\ntime.sleep(1)")
     died = fork_server.run(name, limits=Limits(wall_clock=0.2))

@@ -56,6 +56,7 @@ def test_an_argument_without_a_value(
     assert found == [{"x": value} for value in values]
 
 
+@pytest.mark.slow
 def test_several_arguments_are_given_together(space: InstallSpace) -> None:
     both = (
         "DeclareLaunchArgument('x', choices='ab'.split('x') + ['c']), DeclareLaunchArgument('y'{})"

@@ -76,6 +76,7 @@ def test_a_scope_that_was_not_begun(space: InstallSpace, pop: str) -> None:
     assert "stack unexpectedly empty" in only_message(space.play(pop), "LCH010")
 
 
+@pytest.mark.slow
 def test_messages_are_performed(space: InstallSpace) -> None:
     before = "from launch.actions import Log, LogDebug, LogError, LogWarning"
     fine = "Log(msg='a', level='INFO'), LogDebug(msg='b'), LogWarning(msg='c'), LogError(msg='d')"

@@ -7,6 +7,8 @@ import subprocess
 import sys
 from typing import TYPE_CHECKING
 
+import pytest
+
 from wsgen.launching import worker
 
 if TYPE_CHECKING:
@@ -113,6 +115,7 @@ def ask(what: str) -> tuple[int, list[str]]:
     return asked, failures
 
 
+@pytest.mark.slow
 def test_every_public_name_is_found_in_its_package_and_in_its_module() -> None:
     asked, failures = ask("all")
     assert not failures

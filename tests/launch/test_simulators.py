@@ -204,6 +204,7 @@ def test_launch_file_that_a_process_launches(space: InstallSpace) -> None:
         assert simulator.world == world
 
 
+@pytest.mark.slow
 def test_simulators_run_on_however_they_are_started(space: InstallSpace) -> None:
     for words, count in (
         ("'ruby $(which gz) sim w.sdf'", 2),

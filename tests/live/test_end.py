@@ -54,6 +54,7 @@ def _wait_for_grandchildren(run: Launch) -> list[int]:
     return pids
 
 
+@pytest.mark.slow
 def test_ctrl_c_ends_all_and_is_no_failure(launch: Callable[..., Launch]) -> None:
     run = launch(WITH_GRANDCHILD)
     pids = _wait_for_grandchildren(run)
@@ -125,6 +126,7 @@ def test_a_second_terminal_may_be_closed(launch: Callable[..., Launch]) -> None:
     assert not any(map(is_alive, pids))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("number", "code"), [(signal.SIGINT, 0), (signal.SIGTERM, 128 + signal.SIGTERM)]
 )
@@ -160,6 +162,7 @@ def _children_of(pid: int) -> list[int]:
     return found
 
 
+@pytest.mark.slow
 def test_a_simulator_that_never_starts_ends_a_limited_run(launch: Callable[..., Launch]) -> None:
     run = launch(
         """

@@ -154,6 +154,7 @@ def test_a_node_gets_its_name_namespace_parameters_and_remappings(
     assert " ".join(text.split()) == expected
 
 
+@pytest.mark.slow
 def test_a_process_is_respawned_after_the_delay_as_often_as_is_wanted(
     launch: Callable[..., Launch],
 ) -> None:
@@ -224,6 +225,7 @@ def test_what_is_not_started_is_not_waited_for(
     assert run.output.count(error) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("more", "level"),
     [
@@ -250,6 +252,7 @@ def test_a_name_that_nothing_has(
     assert (lost in run.output) == (level is not None)
 
 
+@pytest.mark.slow
 def test_seconds_of_the_wall_clock_wait_for_a_simulator_that_is_to_come(
     launch: Callable[..., Launch],
 ) -> None:

@@ -47,6 +47,7 @@ def test_output_goes_where_launch_sends_it(launch: Callable[..., Launch]) -> Non
     assert run.read_log("own-4-stdout.log").endswith(" [own-4] out\n")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["[{bad}] {line}", "{line[3]}", "{this.nothing}", "{", "{line:d}"])
 def test_a_format_that_fails_is_named_once(launch: Callable[..., Launch], form: str) -> None:
     run = launch(
@@ -102,6 +103,7 @@ print('the other one')
     assert run.screen.stat().st_size < 8 * PRINTED_AT_ONCE  # with the name before each line
 
 
+@pytest.mark.slow
 def test_a_screen_that_nobody_reads_keeps_no_process_running(launch: Callable[..., Launch]) -> None:
     run = launch(
         """

@@ -144,6 +144,7 @@ def test_a_launch_file_that_starts_nothing_without_a_module(
     assert "line 7 of a.launch.py imports it.\nmoveit_configs_utils is" in str(raised.value)
 
 
+@pytest.mark.slow
 def test_what_comes_from_an_absent_module_is_left_out(
     prepared: Callable[..., Prepared], shown: list[Diagnostic]
 ) -> None:
@@ -167,6 +168,7 @@ def test_an_absent_module_of_which_nothing_is_needed(
     assert not [one for one in shown if one.code == ABSENT_LAUNCH_MODULE.code]
 
 
+@pytest.mark.slow
 def test_a_launch_file_that_starts_nothing(
     prepared: Callable[..., Prepared], shown: list[Diagnostic]
 ) -> None:
@@ -177,6 +179,7 @@ def test_a_launch_file_that_starts_nothing(
     assert not shown
 
 
+@pytest.mark.slow
 def test_the_domain_of_the_launch_file_is_not_that_of_a_session(
     prepared: Callable[..., Prepared],
 ) -> None:

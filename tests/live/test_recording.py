@@ -333,6 +333,7 @@ def driven(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_a_drawing_says_how_far_it_is(driven: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(clock, "LOOK_EVERY", 0.001)
     heard: list[Event] = []

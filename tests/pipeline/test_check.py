@@ -149,6 +149,7 @@ def test_of_two_packages_one_is_meant(tmp_path: Path) -> None:
     assert reported(run(tmp_path, jobs=2)) == [("negative-mass", "cart.urdf", 4), undeclared]
 
 
+@pytest.mark.slow
 def test_what_an_included_launch_file_is_given_is_not_missing(tmp_path: Path) -> None:
     package = write_package(tmp_path)
     (package / "launch" / "inner.launch.py").write_text(
@@ -284,6 +285,7 @@ def test_what_does_not_exist(tmp_path: Path) -> None:
         run(tmp_path)
 
 
+@pytest.mark.slow
 def test_a_folder_that_is_not_installed(tmp_path: Path) -> None:
     package = write_package(tmp_path, CMake="launch urdf DESTINATION -> launch DESTINATION")
     outcome = run(tmp_path)
@@ -462,6 +464,7 @@ def only(path: Path, *rules: str) -> list[tuple[str, str]]:
     return [found for found in severities(run(path)) if found[0] in rules]
 
 
+@pytest.mark.slow
 def test_modules_that_others_install(tmp_path: Path) -> None:
     launch = {"launch": "import os\n -> import os\nimport rs_camera_launch\n"}
     package = write_package(tmp_path, **launch)
@@ -586,6 +589,7 @@ def test_of_two_packages_with_one_name_each_finds_its_own_files(tmp_path: Path) 
     assert only(tmp_path, "xacro-file-fails") == [("xacro-file-fails", "error")]
 
 
+@pytest.mark.slow
 def test_a_part_of_a_robot_uses_what_the_file_that_includes_it_defines(tmp_path: Path) -> None:
     package = write_package(tmp_path)
     part = package / "urdf" / "tool.xacro"
@@ -601,6 +605,7 @@ def test_a_part_of_a_robot_uses_what_the_file_that_includes_it_defines(tmp_path:
         assert only(package, "xacro-file-fails") == [("xacro-file-fails", severity)], text
 
 
+@pytest.mark.slow
 def test_what_is_no_robot_or_world_of_this_gazebo(tmp_path: Path) -> None:
     package = write_package(tmp_path)
     webots = '<robot name="cart"><webots><plugin type="driver.Driver"/></webots></robot>'
@@ -704,6 +709,7 @@ def test_hardware_that_depends_on_an_argument(tmp_path: Path) -> None:
         assert only(package, "incomplete-ros2-control") == [("incomplete-ros2-control", severity)]
 
 
+@pytest.mark.slow
 def test_a_launch_file_that_fails_without_a_package_of_others(tmp_path: Path) -> None:
     path = "    path = os.path.join("
     raises = "    for _ in None:\n        pass\n"
@@ -714,6 +720,7 @@ def test_a_launch_file_that_fails_without_a_package_of_others(tmp_path: Path) ->
     assert only(package, "launch-raises") == [("launch-raises", "info")]
 
 
+@pytest.mark.slow
 def test_what_a_package_beside_declares(tmp_path: Path) -> None:
     launch = "directory('@PKG@'), 'urdf', 'cart.urdf') -> directory('customer_arm'), 'arm.urdf')"
     package = write_package(tmp_path, launch=launch)
@@ -725,6 +732,7 @@ def test_what_a_package_beside_declares(tmp_path: Path) -> None:
     assert only(package, "package-not-found") == [("package-not-found", "info")]
 
 
+@pytest.mark.slow
 def test_a_robot_that_is_for_rviz_alone(tmp_path: Path) -> None:
     package = write_package(tmp_path)
     for file in package.rglob("*"):

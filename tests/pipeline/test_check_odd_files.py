@@ -75,6 +75,7 @@ def test_a_manifest_that_is_nested_without_end(tmp_path: Path) -> None:
     assert codes_of(tmp_path) == {"PKG001"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("encoding", ["utf-7", "rot13"])
 def test_an_encoding_that_no_parser_of_xml_reads(tmp_path: Path, encoding: str) -> None:
     write_package(tmp_path, "ament_cmake")
@@ -101,6 +102,7 @@ LARGE = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LARGE)
 def test_more_of_xml_than_anybody_writes(tmp_path: Path, name: str) -> None:
     text, code = LARGE[name]

@@ -347,12 +347,14 @@ COLLISION = re.compile(r"<collision.*?</collision>")
 HUGE_BODY = '<box size="400 300 100"/>'
 
 
+@pytest.mark.slow
 def test_what_stands(tmp_path: Path) -> None:
     assert validate(CAR, tmp_path / "car.urdf") == []
     assert validate(BOX, tmp_path / "box.urdf") == []
     assert validate(SDF, tmp_path / "table.sdf") == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("old", "new", "code", "severity", "line"),
     [
@@ -403,6 +405,7 @@ def test_rover_in_its_run(  # noqa: PLR0917  the facts of a case
     assert [(one.code, one.severity, one.line) for one in found] == expected
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engines", [("bullet",), ("bullet", "dart")])
 @pytest.mark.parametrize(
     ("old", "new", "code"),

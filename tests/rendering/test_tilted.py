@@ -78,6 +78,7 @@ def test_an_arrow_has_its_head_where_it_points() -> None:
     assert image == before
 
 
+@pytest.mark.slow
 def test_a_push_is_in_the_picture() -> None:
     robot = SpawnedRobot(entity="e", robot=lattice((0, 0, 0)))
     pose: Poses = {"e": {robot.robot.root: Pose(xyz=(0.0, 0.0, 0.5))}}

@@ -88,6 +88,7 @@ def test_a_later_wheel_changes_no_equal_files(tmp_path: Path) -> None:
     assert (folder / "two.so").read_bytes() == b"of b"
 
 
+@pytest.mark.slow
 def test_pip_is_not_a_file_of_the_working_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -106,6 +106,7 @@ def test_frames_are_the_link_poses_of_pybullet(
         pybullet.disconnect(client)
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(st.floats(-50, 50))
 def test_rotations_are_of_unit_length(position: float) -> None:

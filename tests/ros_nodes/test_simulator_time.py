@@ -7,15 +7,16 @@ import socket
 import threading
 from typing import TYPE_CHECKING
 
+import pytest
+
 from wsgen.live.nodes import simulator_time
 from wsgen.simulation.live_scene import short_name, socket_path
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    import pytest
 
-
+@pytest.mark.slow
 def test_it_is_asked_as_soon_as_the_simulator_is_there(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

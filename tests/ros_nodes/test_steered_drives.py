@@ -82,6 +82,7 @@ def heading(simulation: Any) -> float:
     return yaw_of(simulation.host.robots["rover"].state().xyzw)
 
 
+@pytest.mark.slow
 def test_a_car_of_gazebo_sim_drives_a_curve() -> None:
     """By the formulas of gz-sim, src/systems/ackermann_steering/AckermannSteering.cc."""
     with driving("gz-sim-ackermann-steering-system", GZ, TWIST, ODOMETRY, TF) as (simulation, ros):

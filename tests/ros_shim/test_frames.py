@@ -74,6 +74,7 @@ def of(found: Transform) -> NDArray[np.float64]:
     return matrix(found.translation, found.rotation)
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(st.lists(st.tuples(vectors, quaternions, st.integers(0, 100)), min_size=1, max_size=6))
 def test_lookups_are_products_of_matrices(
@@ -122,6 +123,7 @@ def test_slerp_is_of_unit_length_and_symmetric(
         assert (Rotation.from_quat(there).inv() * Rotation.from_quat(back)).magnitude() < 1e-6
 
 
+@pytest.mark.slow
 @given(quaternions)
 def test_normalize_keeps_the_rotation_and_fixes_the_sign(turn: Quaternion) -> None:
     unit = normalize(turn)

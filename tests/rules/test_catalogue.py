@@ -49,6 +49,7 @@ Errors cannot be allowed. `wsgen rule NAME` shows the documentation of one rule.
 """
 
 
+@pytest.mark.slow
 def test_the_catalogue_knows_every_module_with_rules() -> None:
     defining = {
         ".".join(path.relative_to(SOURCE.parent).with_suffix("").parts)
@@ -62,6 +63,7 @@ def test_the_catalogue_knows_every_module_with_rules() -> None:
     assert set(MODULES) == defining
 
 
+@pytest.mark.slow
 def test_no_code_is_written_anywhere_else() -> None:
     for path in SOURCE.rglob("*.py"):
         tree = ast.parse(path.read_text(encoding="utf-8"))

@@ -57,6 +57,7 @@ def test_many_links() -> None:
     assert f"{MOST_LINKS + 1} links" in found.message
 
 
+@pytest.mark.slow
 def test_links_that_an_engine_takes() -> None:
     assert not list(many_links(lump(star(MOST_LINKS - 1))[0], FILE))
     # One more, which is fixed, is no body of its own; one that is loose is a tree of its own.

@@ -106,6 +106,7 @@ def test_a_joint_may_name_frames_and_models(read: Read) -> None:
     assert [(joint.parent, joint.child) for joint in robot.joints] == [("base", "hand::palm")]
 
 
+@pytest.mark.slow
 def test_long_chains(read: Read) -> None:
     count = 3000
     links = "".join(

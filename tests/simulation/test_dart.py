@@ -17,6 +17,7 @@ else:
     from wsgen.simulation.dart import DartEngine
 
 
+@pytest.mark.slow
 def test_more_links_than_pybullet_can_do() -> None:
     chain = [
         (

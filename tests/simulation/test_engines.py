@@ -120,6 +120,7 @@ def test_a_body_that_turns_in_space_goes_on_turning(new_engine: NewEngine) -> No
         assert engine.state("e").speed == pytest.approx(9.8, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_same_scene_same_run(new_engine: NewEngine) -> None:
     robot = tree(
         body(PLATE),

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 LYING = (0.0, math.pi / 2, 0.0)
 
 
+@pytest.mark.slow
 def test_a_mesh_is_stood_on(new_engine: NewEngine, tmp_path: Path) -> None:
     folder = tmp_path / "bits & pièces"
     folder.mkdir()

@@ -193,6 +193,7 @@ def test_placed_elsewhere_it_moves_as_if_spawned_there(new_engine: NewEngine) ->
     assert found[1].joint_speed == pytest.approx(expected[1].joint_speed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("speed", [1e6, 1e12])  # m/s; the first one gets far away only in time
 def test_a_robot_that_flies_away_harms_no_other(new_engine: NewEngine, speed: float) -> None:
     """It is not finite then, or flies on; ODE, which finds contacts for DART, would abort."""

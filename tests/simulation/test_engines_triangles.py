@@ -99,6 +99,7 @@ def test_a_room_of_several_links(new_engine: NewEngine, tmp_path: Path) -> None:
     assert state.xyz[2] == pytest.approx(0.2 + RADIUS, abs=MARGIN)
 
 
+@pytest.mark.slow
 def test_a_ball_rests_on_the_rim(new_engine: NewEngine, tmp_path: Path) -> None:
     room = made(static(WALLS), tmp_path)
     box = single(body(Box(size=(0.3, 0.3, 0.2))))
@@ -106,6 +107,7 @@ def test_a_ball_rests_on_the_rim(new_engine: NewEngine, tmp_path: Path) -> None:
     assert state.xyz[2] == pytest.approx(1.1, abs=MARGIN)
 
 
+@pytest.mark.slow
 def test_what_moves_rests_on_an_extrusion(new_engine: NewEngine, tmp_path: Path) -> None:
     table = made(static(FLOOR, at=Pose((0.0, 0.0, 0.5))), tmp_path)
     state = rest(new_engine, table, single(body(Box(size=(0.4, 0.3, 0.2)))), (0.2, 0.1, 0.9))
@@ -196,6 +198,7 @@ SUNK = 0.05  # m
 AXLE = joint("base", "", JointType.CONTINUOUS, axis_in_joint=(0.0, 1.0, 0.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("is_mesh", [False, True])
 def test_what_is_spawned_in_a_slab_is_not_thrown(
     new_engine: NewEngine, tmp_path: Path, *, is_mesh: bool

@@ -110,6 +110,7 @@ def test_without_a_direction_the_first_is_y_of_the_world(turned: float) -> None:
     assert held == pytest.approx(0.0, abs=0.002)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("ahead", "left", "turn", "seconds"),
     [
@@ -128,6 +129,7 @@ def test_mecanum_wheels_carry_the_robot_where_they_roll(
     assert pose.rpy[2] == pytest.approx(turn * seconds, rel=0.05, abs=0.01)
 
 
+@pytest.mark.slow
 def test_mecanum_wheels_with_directions_that_turn_do_not() -> None:
     """As in Gazebo, where the link that a direction is expressed in is lumped into another one."""
     _, y, _ = drive(mecanum(is_fixed=False), 0.0, 0.3, 0.0, seconds=3.0).xyz

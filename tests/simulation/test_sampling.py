@@ -73,6 +73,7 @@ def test_samples_end_where_numbers_do() -> None:
     assert not robot_run.is_finite
 
 
+@pytest.mark.slow
 def test_each_behavior_has_its_own_samples() -> None:
     away = Pose((0.0, 5.0, 0.0))
     other = SpawnedRobot(entity="other", robot=arm(), pose_in_world=away)

@@ -86,6 +86,7 @@ def digest(design: Design) -> str:
     return sha256(json.dumps(rows(design)).encode()).hexdigest()[:16]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sampler", SAMPLERS)
 def test_a_seed_gives_these_values_everywhere(sampler: str) -> None:
     found = rows(drawn(sampler))
@@ -109,6 +110,7 @@ def test_a_latin_hypercube_has_a_sample_in_each_interval() -> None:
     assert sorted(int((one["u"] + 1) / 4 * 100) for one in found) == [*range(100)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sampler", SAMPLERS)
 def test_variants_do_not_depend_on_the_order_they_are_asked_for(sampler: str) -> None:
     design = replace(drawn(sampler, 9000), axes=(Axis(name="a", values=(1, 2)),))

@@ -191,6 +191,7 @@ def test_a_map_of_samples() -> None:
     assert panel.y.is_log  # over decades
 
 
+@pytest.mark.slow
 def test_a_map_of_many_samples_has_cells() -> None:
     chart, _ = chart_of(over_two(100_000))
     assert chart.cells is not None
@@ -219,6 +220,7 @@ def test_parallel_coordinates() -> None:
     assert chart.note == ""
 
 
+@pytest.mark.slow
 def test_of_many_runs_some_are_drawn_and_always_the_same_ones() -> None:
     data = over_five(100_000)
     chart, _ = chart_of(data)
@@ -239,6 +241,7 @@ def test_rules_beyond_the_fourth_share_a_color() -> None:
     assert sum(group.runs for group in chart.groups) == 71
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("passed", [True, False])
 def test_all_pass_or_fail_with_one_run_and_without_figures(*, passed: bool) -> None:
     for values in ({SLOPE: [0.1]}, {SURFACE: ["ice"]}, {SEALED: [1]}, {MASS: [np.nan]}):
@@ -281,6 +284,7 @@ def test_dollars_are_no_formulas() -> None:
 # ---- As a page.
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("data", ARGUMENTS)
 def test_pages_are_valid(data: TableData) -> None:
     chart, summary = chart_of(data)
@@ -352,6 +356,7 @@ def test_unknown_formats(name: str, message: str) -> None:
     assert ".html" in raised.value.hint
 
 
+@pytest.mark.slow
 def test_files() -> None:
     data = over_one(31)
     for name, start in (("plot.png", b"\x89PNG"), ("PLOT.HTML", b"<!DOCTYPE html>")):

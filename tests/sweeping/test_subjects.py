@@ -201,6 +201,7 @@ def test_blueprints_are_kept_by_their_values(tower: Path) -> None:
         assert again.prepared == first.prepared
 
 
+@pytest.mark.slow
 def test_files_are_there_as_long_as_the_blueprint(tmp_path: Path) -> None:
     file = tmp_path / "cone.sdf"
     cone = "<geometry><cone><radius>0.1</radius><length>0.2</length></cone></geometry>"
@@ -293,6 +294,7 @@ def test_a_blueprint_can_be_pickled(tower: Path) -> None:
 # The digest
 
 
+@pytest.mark.slow
 def test_the_digest_is_of_all_files_and_of_what_stays(tower: Path, tmp_path: Path) -> None:
     def digest(engine: str = "bullet", **fields: object) -> str:
         with opened(file=tower, **fields) as subject:
@@ -343,6 +345,7 @@ def test_a_template_has_its_variables() -> None:
         assert not named
 
 
+@pytest.mark.slow
 def test_answers_of_a_template_stay_where_they_do_not_vary() -> None:
     with opened(template="simple", settings=("mass=4",)) as subject:
         assert mass_of(subject.prepare({"length": 0.5})) == 4.0

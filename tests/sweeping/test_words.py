@@ -231,6 +231,7 @@ def test_any_text_is_read_in_quotes(texts: list[str]) -> None:
     assert values(",".join(f'"{text}"' for text in texts)) == tuple(texts)
 
 
+@pytest.mark.slow
 @given(st.text())
 def test_any_word_is_read_or_refused_with_a_hint(word: str) -> None:
     for read in (read_axis, read_distribution):

@@ -344,6 +344,7 @@ def test_limits_of_a_tricycle() -> None:
         assert commands["wheel/velocity"] == pytest.approx(3.0 - 0.8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "parameters", "problem"),
     [
