@@ -107,6 +107,10 @@ def measured() -> str:
         for code in sorted(test_classic_robots.WHY)
         if (names := [name for name, codes in stricter.items() if code in codes])
     ]
+    stricter_lines += [
+        f"- `{name}` is loaded with other links: {why.partition(': ')[2]}."
+        for name, why in test_classic_robots.DIFFERENT.items()
+    ]
     page = "\n".join((
         *lines,
         "",
