@@ -20,13 +20,14 @@ from ros_nodes.fake_ros import live_scene, plugin, simulation_of
 from ros_nodes.sensor_messages import install_sensor_messages
 from ros_nodes.test_sensors import SURROUNDINGS, mounted, simulated
 from wsgen.gazebo.bridged_types import PAIRS
-from wsgen.gazebo.plugins import CLASSIC, OF_CLASSIC, PLUGINS, SIM, Default, stem
+from wsgen.gazebo.plugins import OF_CLASSIC, PLUGINS, Default, stem
 from wsgen.gazebo.sensors import SYSTEM_OF_SENSOR
 from wsgen.gazebo.systems import DEFAULT_SYSTEMS, systems
 from wsgen.live.nodes.simulator.plugins import PLUGINS as SIMULATED
 from wsgen.live.nodes.simulator.plugins import WORLD_PLUGINS
 from wsgen.live.nodes.simulator.sensors import SENSORS
 from wsgen.model.devices import Devices, Element
+from wsgen.model.target import CLASSIC, SIM
 from wsgen.model.world import World
 from wsgen.simulation.bullet import BulletEngine
 

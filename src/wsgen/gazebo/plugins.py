@@ -11,14 +11,13 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.model.target import CLASSIC, SIM
 from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
     from wsgen.model.robot import Robot
     from wsgen.model.world import World
 
-CLASSIC, SIM = "classic", "gz"
-SIMULATOR_NAMES = {CLASSIC: "Gazebo Classic", SIM: "Gazebo Sim"}
 
 # Libraries of ROS 2 for Gazebo Classic, without `lib` and `.so`.
 OF_CLASSIC = tuple(

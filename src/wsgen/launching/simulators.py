@@ -13,6 +13,7 @@ from wsgen.launching.commands import (
     started_programs,
 )
 from wsgen.launching.missing_actions import or_unused_action
+from wsgen.model.target import CLASSIC, SIM
 from wsgen.model.world import Simulator
 
 if TYPE_CHECKING:
@@ -35,7 +36,6 @@ NO_SIMULATOR = Rule(
     example="gazebo = IncludeLaunchDescription(...)  # not added to the LaunchDescription",
     instead="launch_description.add_action(gazebo)",
 )
-CLASSIC, GZ = "classic", "gz"
 _GZ_PACKAGES = ("ros_gz", "ros_ign", "gz_ros2_control", "ign_ros2_control")
 _CLASSIC_PACKAGES = ("gazebo_ros", "gazebo_plugins", "gazebo_ros2_control")
 PACKAGES_OF_GAZEBO = (*_GZ_PACKAGES, *_CLASSIC_PACKAGES)  # and those whose names start so
@@ -66,7 +66,7 @@ def _of_gz_server(values: Mapping[str, str]) -> Simulator | None:
 
 def _server(file: object, text: object) -> Simulator:
     return Simulator(
-        kind=GZ,
+        kind=SIM,
         world=str(file) if file else None,
         is_headless=True,
         is_world_known=bool(file) or not text,
@@ -118,7 +118,7 @@ def kind_of_project(plan: LaunchPlan) -> str | None:
     packages = [include.package or "" for include in plan.includes]
     packages += [process.package or "" for process in started_programs(plan)]
     if any(package.startswith(_GZ_PACKAGES) for package in packages):
-        return GZ
+        return SIM
     return CLASSIC if any(package.startswith(_CLASSIC_PACKAGES) for package in packages) else None
 
 
@@ -177,7 +177,7 @@ def _gz(words: Sequence[str]) -> Simulator | None:
     if "-g" in words:
         return None
     with_files = [word for word in words if word != "-s"]  # of Gazebo Classic it takes a plugin
-    return Simulator(kind=GZ, world=_world(with_files), is_headless="-s" in words)
+    return Simulator(kind=SIM, world=_world(with_files), is_headless="-s" in words)
 
 
 def _world(words: Iterable[str]) -> str | None:
@@ -206,7 +206,7 @@ def _in_default_world(simulator: Simulator) -> Simulator:
 
 def _how_to_start(plan: LaunchPlan) -> str:
     classic, gz = "gazebo.launch.py of gazebo_ros", "gz_sim.launch.py of ros_gz_sim"
-    which = {CLASSIC: classic, GZ: gz}.get(kind_of_project(plan) or "", f"{classic}, or {gz}")
+    which = {CLASSIC: classic, SIM: gz}.get(kind_of_project(plan) or "", f"{classic}, or {gz}")
     return f"Start a simulator before it, or include {which}."
 
 

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 
-SIMULATORS = {"classic": "Gazebo Classic", "gz": "Gazebo Sim"}
+CLASSIC, SIM = "classic", "gz"  # the simulators
+SIMULATORS = {CLASSIC: "Gazebo Classic", SIM: "Gazebo Sim"}
 DISTROS_WITH_CLASSIC = RELEASED_FOR["gazebo_ros"]
 
 
@@ -125,7 +126,7 @@ TARGETS = tuple(
 )
 DEFAULT_DISTRO = "iron"  # the tutorial's
 # Distribution -> the simulator that is meant where none is named; for the others it is gz.
-USUAL_SIMULATOR = {"iron": "classic"}
+USUAL_SIMULATOR = {"iron": CLASSIC}
 DEFAULT_TARGET = next(
     target for target in TARGETS if (target.distro, target.simulator) == ("iron", "classic")
 )

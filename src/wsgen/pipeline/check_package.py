@@ -7,6 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.rules import launch_files
+from wsgen.checks.rules.consequences import without_explained
 from wsgen.checks.rules.target import target_of
 from wsgen.descriptions.xacro.source import without_call
 from wsgen.diagnostics import has_errors
@@ -38,7 +39,6 @@ from wsgen.pipeline.check_severities import (
     of_file_alone,
     of_launch,
     without_absent_packages,
-    without_explained,
     without_simulation,
 )
 from wsgen.pipeline.check_sources import check_sources

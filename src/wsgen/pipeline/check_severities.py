@@ -14,8 +14,6 @@ from typing import TYPE_CHECKING
 
 from wsgen.checks.rules.friction import NO_FRICTION_DIRECTION
 from wsgen.checks.rules.ros2_control import INCOMPLETE_CONTROL
-from wsgen.checks.rules.simulators import GLUED_ARGUMENTS, SPAWNER_OF_OTHER_SIMULATOR
-from wsgen.checks.rules.systems import MISSING_SENSOR_SYSTEM
 from wsgen.descriptions.rules import (
     MISSING_COLLISION_MESH,
     MISSING_VISUAL_MESH,
@@ -55,7 +53,6 @@ from wsgen.launching.explain_names import (
     REFUSED_BY_LAUNCH,
     UNSUPPORTED_API,
 )
-from wsgen.launching.launch_warnings import UNUSED_INCLUDE_ARGUMENT
 from wsgen.launching.simulators import NO_SIMULATOR
 from wsgen.launching.spawner_options import INVALID_SPAWNER_OPTION
 from wsgen.launching.undeclared import UNDECLARED_PACKAGE
@@ -487,38 +484,6 @@ def _without_elsewhere(found: Diagnostic) -> Diagnostic:
     if found.reason in {DOWNLOADED, NOT_SIMULATED}:
         return replace(found, severity=Severity.INFO)
     return found
-
-
-def without_explained(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
-    """Leave out what another diagnostic of the same launch file explains.
-
-    These are options of a spawner that is to be replaced by the one of another simulator, and what
-    the empty world lacks where Gazebo is not given the world for a mistake in its arguments.
-    """
-    found = list(diagnostics)
-    replaced = {
-        (one.file, one.line) for one in found if one.code == SPAWNER_OF_OTHER_SIMULATOR.code
-    }
-    without_world = {
-        one.file
-        for one in found
-        if one.code == GLUED_ARGUMENTS.code
-        or (one.code == UNUSED_INCLUDE_ARGUMENT.code and suggested(one.hint) in _OF_GAZEBO)
-    }
-    lacking = {one.file for one in found if one.code == MISSING_SENSOR_SYSTEM.code}
-    for one in found:
-        is_option = one.code == INVALID_SPAWNER_OPTION.code
-        is_of_world = one.code == MISSING_SENSOR_SYSTEM.code
-        if one.code == UNUSED_INCLUDE_ARGUMENT.code and one.file in lacking & without_world:
-            yield replace(one, severity=Severity.ERROR)  # what follows from it is one
-            continue
-        if not (is_option and (one.file, one.line) in replaced) and not (
-            is_of_world and one.file in without_world
-        ):
-            yield one
-
-
-_OF_GAZEBO = frozenset(("gz_args", "ign_args", "world"))
 
 
 def _is_in_own_package(missing: Diagnostic) -> bool:

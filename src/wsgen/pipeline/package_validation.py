@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.checks.rules.catalogue import unknown_rule_allowed, without_allowed
+from wsgen.checks.rules.consequences import without_explained
 from wsgen.checks.rules.entities import spawned_twice
 from wsgen.checks.rules.friction import friction_without_direction
 from wsgen.checks.rules.named_worlds import (
@@ -33,7 +34,6 @@ from wsgen.pipeline.changed_since_build import (
     used_packages,
     with_needs,
 )
-from wsgen.pipeline.check_severities import without_explained
 from wsgen.pipeline.clock import DRAW, Clock
 from wsgen.pipeline.gazebo_models import DATABASE_MODEL, as_robots, look_up_model, robots_of_world
 from wsgen.pipeline.known_worlds import ReadWorld

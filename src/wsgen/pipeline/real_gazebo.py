@@ -15,10 +15,10 @@ from wsgen.checks.rules.resource_paths import VARIABLES
 from wsgen.descriptions.sdf.includes import GROUND_PLANE_SDF
 from wsgen.diagnostics import Severity
 from wsgen.errors import NotFoundError
-from wsgen.gazebo.plugins import CLASSIC, SIM, SIMULATOR_NAMES
 from wsgen.isolation.codec import decode
 from wsgen.isolation.result import Died, Limits
 from wsgen.model.kinematics import link_poses
+from wsgen.model.target import CLASSIC, SIM, SIMULATORS
 from wsgen.model.transform import Pose, multiply, rotation_of_rpy, transpose
 from wsgen.pipeline.engines import ENGINE_LEFT_OUT
 from wsgen.simulation.real_gazebo import GazeboResult, GazeboScene, ToSpawn, find_gazebo
@@ -178,7 +178,7 @@ class RealGazebo:
         return ToSpawn(entity=robot.entity, file=file, pose=pose)
 
     def _not_installed(self) -> Iterator[Diagnostic]:
-        name = SIMULATOR_NAMES.get(self._kind or "", "Gazebo")
+        name = SIMULATORS.get(self._kind or "", "Gazebo")
         other = find_gazebo(self._environment)
         if other is None and not self._is_required:
             return  # nobody expects one

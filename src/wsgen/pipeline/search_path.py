@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.checks.rules.resource_paths import VARIABLES, SearchPath, mesh_packages, no_resource_path
-from wsgen.gazebo.plugins import CLASSIC, SIM
 from wsgen.launching.commands import started_launch_files, started_programs
 from wsgen.launching.simulators import simulator_kinds
+from wsgen.model.target import CLASSIC, SIM
 from wsgen.packages.source_shares import may_have_sources
 from wsgen.packages.workspace.layout import INSTALL_LAYOUT
 from wsgen.text.files import read_regular, real_path

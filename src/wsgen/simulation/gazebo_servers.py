@@ -18,8 +18,8 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from wsgen.gazebo.plugins import CLASSIC
 from wsgen.isolation.child import announce
+from wsgen.model.target import CLASSIC
 from wsgen.model.transform import (
     Pose,
     compose,

@@ -13,7 +13,7 @@ from collections.abc import Mapping  # noqa: TC003  the type hints of answers ar
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.gazebo.plugins import CLASSIC, SIM
+from wsgen.model.target import CLASSIC, SIM
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.text.values import dataclass
 

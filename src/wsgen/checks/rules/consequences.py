@@ -51,6 +51,8 @@ from wsgen.checks.rules.runs import (
     THROWN_INTO_THE_AIR,
     TIPS_OVER,
 )
+from wsgen.checks.rules.simulators import GLUED_ARGUMENTS, SPAWNER_OF_OTHER_SIMULATOR
+from wsgen.checks.rules.systems import MISSING_SENSOR_SYSTEM
 from wsgen.descriptions.meshes.inspection import IMPLAUSIBLE_MESH_SIZE
 from wsgen.descriptions.rules import IMPOSSIBLE_INERTIA, MISSPELLED_ATTRIBUTE, MISSPELLED_ELEMENT
 from wsgen.descriptions.sdf.assembly import JOINT_LEFT_OUT
@@ -59,9 +61,12 @@ from wsgen.descriptions.sdf.shapes import SHAPE_LEFT_OUT
 from wsgen.descriptions.urdf.lumping import DROPPED_LINK, IMPOSSIBLE_SUM, TWO_ZERO_MASSES
 from wsgen.descriptions.urdf.unknown_elements import meant_element
 from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.launching.launch_warnings import UNUSED_INCLUDE_ARGUMENT
+from wsgen.launching.spawner_options import INVALID_SPAWNER_OPTION
+from wsgen.text.suggestions import suggested
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from wsgen.diagnostics import Rule
 
@@ -223,3 +228,35 @@ def _with_worst(cause: Diagnostic, consequences: Sequence[Diagnostic]) -> Diagno
         severity=min(cause.severity, worst.severity, key=order.index),
         message=f"{cause.message} {message}",
     )
+
+
+_ARGUMENTS_OF_WORLD = frozenset(("gz_args", "ign_args", "world"))
+
+
+def without_explained(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
+    """Leave out what another diagnostic of the same launch file explains.
+
+    These are options of a spawner that is to be replaced by the one of another simulator, and what
+    the empty world lacks where Gazebo is not given the world for a mistake in its arguments.
+    """
+    found = list(diagnostics)
+    replaced = {
+        (one.file, one.line) for one in found if one.code == SPAWNER_OF_OTHER_SIMULATOR.code
+    }
+    without_world = {
+        one.file
+        for one in found
+        if one.code == GLUED_ARGUMENTS.code
+        or (one.code == UNUSED_INCLUDE_ARGUMENT.code and suggested(one.hint) in _ARGUMENTS_OF_WORLD)
+    }
+    lacking = {one.file for one in found if one.code == MISSING_SENSOR_SYSTEM.code}
+    for one in found:
+        is_option = one.code == INVALID_SPAWNER_OPTION.code
+        is_of_world = one.code == MISSING_SENSOR_SYSTEM.code
+        if one.code == UNUSED_INCLUDE_ARGUMENT.code and one.file in lacking & without_world:
+            yield replace(one, severity=Severity.ERROR)  # what follows from it is one
+            continue
+        if not (is_option and (one.file, one.line) in replaced) and not (
+            is_of_world and one.file in without_world
+        ):
+            yield one

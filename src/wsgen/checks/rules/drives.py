@@ -9,11 +9,12 @@ import math
 from typing import TYPE_CHECKING
 
 from wsgen.checks.rules.robots import OVERSIZED, OVERSIZED_PART, poses_of
-from wsgen.descriptions.urdf.diff_drive import SIMULATORS, find_diff_drive
+from wsgen.descriptions.urdf.diff_drive import SIMULATOR_OF_STEM, find_diff_drive
 from wsgen.diagnostics import Rule, Severity
-from wsgen.gazebo.plugins import CLASSIC, PLUGINS, stem
+from wsgen.gazebo.plugins import PLUGINS, stem
 from wsgen.model.behavior import DiffDrive
 from wsgen.model.robot import Cylinder, Sphere
+from wsgen.model.target import CLASSIC
 from wsgen.model.transform import IDENTITY, compose, rotate, rotation_of_rpy, transpose
 
 if TYPE_CHECKING:
@@ -286,7 +287,7 @@ def _plugins(robot: Robot) -> Iterator[tuple[Plugin, str]]:
     seen = set()
     for tag in robot.gazebo:
         for plugin in tag.plugins:
-            simulator = SIMULATORS.get(stem(plugin.filename))
+            simulator = SIMULATOR_OF_STEM.get(stem(plugin.filename))
             if simulator is not None and simulator not in seen:
                 seen.add(simulator)
                 yield plugin, simulator

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.gazebo.plugins import PLUGINS, SIM, GazeboPlugin, simulator_of, stem
+from wsgen.gazebo.plugins import PLUGINS, GazeboPlugin, simulator_of, stem
 from wsgen.gazebo.sensors import SENSORS
+from wsgen.model.target import SIM
 from wsgen.text.xmltree import child_text, children
 
 if TYPE_CHECKING:

@@ -11,7 +11,8 @@ from wsgen.gazebo.plugins import OF_CLASSIC, stem
 from wsgen.gazebo.systems import systems
 from wsgen.launching.commands import started_launch_files, started_programs
 from wsgen.launching.descriptions import PUBLISHER
-from wsgen.launching.simulators import CLASSIC, GZ, simulator_kinds
+from wsgen.launching.simulators import simulator_kinds
+from wsgen.model.target import CLASSIC, SIM
 from wsgen.text.suggestions import some_of
 from wsgen.text.xmltree import child_texts, children
 
@@ -178,11 +179,11 @@ def _covered(
             continue  # there is no simulator that loads them
         if name not in OF_CLASSIC and name not in systems() and name not in _CONTROL:
             return None  # one of somebody's own
-        if GZ in kinds and name == "joint-state-publisher" and is_bridged:
+        if SIM in kinds and name == "joint-state-publisher" and is_bridged:
             if "joint_name" not in values:
                 return None
             covered.update(values["joint_name"])
-        if GZ in kinds and name == "pose-publisher" and providers.bridges_transforms:
+        if SIM in kinds and name == "pose-publisher" and providers.bridges_transforms:
             return None
         if CLASSIC in kinds and name == "gazebo_ros_joint_state_publisher":
             covered.update(values.get("joint_name", ()))
@@ -205,7 +206,7 @@ def _what_to_do(
             'Add a <joint_name> for each to <plugin filename="libgazebo_ros_joint_state_publisher.'
             'so" name="joint_states"> in a <gazebo> of the robot.'
         )
-    if GZ not in kinds:
+    if SIM not in kinds:
         return (
             "Add Node(package='joint_state_publisher', executable='joint_state_publisher') to the "
             "launch file."

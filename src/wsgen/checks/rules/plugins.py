@@ -11,19 +11,17 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.gazebo.plugins import (
-    CLASSIC,
     FROM_ROS_1,
     OF_CLASSIC,
     OF_THE_OTHER,
     PLUGINS,
-    SIM,
-    SIMULATOR_NAMES,
     GazeboPlugin,
     simulator_of,
     stem,
 )
 from wsgen.gazebo.systems import remark_on
 from wsgen.model.robot import JointType
+from wsgen.model.target import CLASSIC, SIM, SIMULATORS
 from wsgen.text.suggestions import did_you_mean, nearest, some_of
 from wsgen.text.values import lazy_pattern
 
@@ -205,7 +203,7 @@ def plugin_of_other_simulator(facts: PluginFacts, file: Path | None) -> Iterator
             continue
         name = stem(plugin.filename)
         successor = SUCCESSORS.get(name) if wanted == SIM else _predecessor(name)
-        hint = f"Use {successor} for {SIMULATOR_NAMES[wanted]}." if successor else OF_WORLD
+        hint = f"Use {successor} for {SIMULATORS[wanted]}." if successor else OF_WORLD
         if wanted == CLASSIC and successor is None:
             hint = "Remove it, or start Gazebo Sim with ros_gz_sim."
         yield PLUGIN_OF_OTHER_SIMULATOR.at(
@@ -213,7 +211,7 @@ def plugin_of_other_simulator(facts: PluginFacts, file: Path | None) -> Iterator
             plugin.line,
             f"gazebo/plugin[@filename='{plugin.filename}']",
             message=f"The plugin `{plugin.filename}` is for "
-            f"{SIMULATOR_NAMES[CLASSIC if wanted == SIM else SIM]}; {SIMULATOR_NAMES[wanted]} "
+            f"{SIMULATORS[CLASSIC if wanted == SIM else SIM]}; {SIMULATORS[wanted]} "
             "cannot load it.",
             hint=hint,
             severity=Severity.INFO if _is_served(name, right) else None,

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
-from wsgen.gazebo.plugins import CLASSIC, SIM, SIMULATOR_NAMES
+from wsgen.model.target import CLASSIC, SIM, SIMULATORS
 from wsgen.text.suggestions import some_of
 from wsgen.text.values import lazy_pattern
 
@@ -79,7 +79,7 @@ def no_resource_path(
                 spawn.process.file if spawn.process else None,
                 spawn.process.line if spawn.process else None,
                 spawn.entity,
-                message=f"{SIMULATOR_NAMES[kind]} does not find the meshes of "
+                message=f"{SIMULATORS[kind]} does not find the meshes of "
                 f"{some_of([f'package://{one}' for one in packages])}, so that `{spawn.entity}` is "
                 f"invisible there: {_why(kind, path)}.",
                 hint=_what_to_do(kind, path, packages[0]),

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.diagnostics import Rule, Severity
 from wsgen.gazebo.systems import control_library
 from wsgen.model.robot import JointType
-from wsgen.model.target import DISTROS_WITH_CLASSIC
+from wsgen.model.target import CLASSIC, DISTROS_WITH_CLASSIC, SIM, SIMULATORS
 from wsgen.text.suggestions import did_you_mean, nearest
 
 if TYPE_CHECKING:
@@ -38,9 +38,11 @@ HARDWARE = {
     "mock_components": ("GenericSystem",),
     "fake_components": ("GenericSystem",),
 }
-CLASSIC, SIM = "classic", "gz"
-NAMES = {CLASSIC: "Gazebo Classic", SIM: "Gazebo Sim"}
-SIMULATORS = {"gz_ros2_control": SIM, "ign_ros2_control": SIM, "gazebo_ros2_control": CLASSIC}
+SIMULATOR_OF_PACKAGE = {
+    "gz_ros2_control": SIM,
+    "ign_ros2_control": SIM,
+    "gazebo_ros2_control": CLASSIC,
+}
 USUAL = {CLASSIC: "gazebo_ros2_control/GazeboSystem", SIM: "gz_ros2_control/GazeboSimSystem"}
 PLUGINS = {
     CLASSIC: '<plugin filename="libgazebo_ros2_control.so" name="gazebo_ros2_control">',
@@ -195,7 +197,7 @@ def controlled_joints(
             )
         elif joint.type is JointType.FIXED:
             is_refused = facts.distro not in {None, *LENIENT} or (
-                facts.distro is None and _package(system) in SIMULATORS
+                facts.distro is None and _package(system) in SIMULATOR_OF_PACKAGE
             )
             yield CONTROLLED_FIXED_JOINT.at(
                 file,
@@ -378,7 +380,7 @@ UNKNOWN_INTERFACE = Rule(
 
 def unknown_interfaces(system: ControlSystem, file: Path | None) -> Iterator[Diagnostic]:
     """Report interfaces that the hardware does not offer."""
-    is_gazebo = _package(system) in SIMULATORS
+    is_gazebo = _package(system) in SIMULATOR_OF_PACKAGE
     known = (*OF_GAZEBO, *PIDS) if is_gazebo else INTERFACES
     for part in system.joints:
         for tag, names in (("command", part.commands), ("state", part.states)):
@@ -464,7 +466,7 @@ def unsuited_hardware(
         )
         return
     there = {_simulator_of(plugin) for plugin in facts.plugins}
-    meant = SIMULATORS.get(package)
+    meant = SIMULATOR_OF_PACKAGE.get(package)
     wanted = facts.simulator or next(iter(there), None)
     if wanted == CLASSIC and facts.distro not in {None, *DISTROS_WITH_CLASSIC}:
         wanted = SIM  # the plugin is reported
@@ -484,11 +486,11 @@ def unsuited_hardware(
             file,
             system.hardware_line or system.line,
             place,
-            message=f"The hardware `{system.hardware}` is for {NAMES[meant]}, but "
+            message=f"The hardware `{system.hardware}` is for {SIMULATORS[meant]}, but "
             + (
-                f"{NAMES[wanted]} simulates the robot."
+                f"{SIMULATORS[wanted]} simulates the robot."
                 if facts.simulator
-                else f"the robot loads the ros2_control plugin of {NAMES[wanted]}."
+                else f"the robot loads the ros2_control plugin of {SIMULATORS[wanted]}."
             ),
             hint=f"Write <plugin>{USUAL[wanted]}</plugin>.",
         )
@@ -532,16 +534,16 @@ CONTROL_WITHOUT_PLUGIN = Rule(
 
 def control_without_plugin(facts: ControlFacts, file: Path | None) -> Iterator[Diagnostic]:
     """Report `<ros2_control>` for Gazebo without its plugin, and the plugin without it."""
-    of_gazebo = [system for system in facts.controls if _package(system) in SIMULATORS]
+    of_gazebo = [system for system in facts.controls if _package(system) in SIMULATOR_OF_PACKAGE]
     if of_gazebo and not facts.plugins:
         system = of_gazebo[0]
-        simulator = SIMULATORS[_package(system)]
+        simulator = SIMULATOR_OF_PACKAGE[_package(system)]
         yield CONTROL_WITHOUT_PLUGIN.at(
             file,
             system.line,
             f"ros2_control[@name='{system.name}']",
-            message=f"<ros2_control> `{system.name}` has hardware for {NAMES[simulator]}, but no "
-            "<gazebo> element loads its plugin: no controller manager starts.",
+            message=f"<ros2_control> `{system.name}` has hardware for {SIMULATORS[simulator]}, but "
+            "no <gazebo> element loads its plugin: no controller manager starts.",
             hint=f"Add <gazebo>{PLUGINS[simulator]}…</plugin></gazebo>.",
         )
     elif facts.plugins and not facts.controls:

@@ -9,8 +9,9 @@ from wsgen.checks.rules.plugins import FIRST_WITHOUT_CLASSIC
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launching.commands import started_launch_files, started_programs
 from wsgen.launching.explain_missing import where_written
-from wsgen.launching.simulators import CLASSIC, GZ, simulator_kinds
+from wsgen.launching.simulators import simulator_kinds
 from wsgen.launching.spawner_options import CREATE, read_options
+from wsgen.model.target import CLASSIC, SIM
 from wsgen.text.suggestions import did_you_mean, some_of
 from wsgen.text.values import lazy_pattern
 
@@ -133,14 +134,14 @@ GLUED_ARGUMENTS = Rule(
 FACTORY = "libgazebo_ros_factory.so"
 _SPAWNERS = {
     ("gazebo_ros", "spawn_entity.py"): CLASSIC,
-    ("ros_gz_sim", "create"): GZ,
-    ("ros_ign_gazebo", "create"): GZ,
+    ("ros_gz_sim", "create"): SIM,
+    ("ros_ign_gazebo", "create"): SIM,
 }
-_NAMES = {CLASSIC: "Gazebo Classic", GZ: "Gazebo Sim"}
+_NAMES = {CLASSIC: "Gazebo Classic", SIM: "Gazebo Sim"}
 _SPAWNER_OF = {
     CLASSIC: "Use package='gazebo_ros', executable='spawn_entity.py', with -entity instead of "
     "-name.",
-    GZ: "Use package='ros_gz_sim', executable='create', with -name instead of -entity.",
+    SIM: "Use package='ros_gz_sim', executable='create', with -name instead of -entity.",
 }
 # By package, and by the executable or the class of the component.
 _WITH_STAMPS = {
@@ -201,7 +202,7 @@ def no_classic(
         if is_program or one.package == "gazebo_ros":
             started.append((one.executable or "", one.file, one.line))
     # A spawner alone is reported as that of another simulator.
-    if not started or is_installed("gazebo_ros") or simulator_kinds(plan) == {GZ}:
+    if not started or is_installed("gazebo_ros") or simulator_kinds(plan) == {SIM}:
         return
     names = list(dict.fromkeys(f"`{name}`" for name, _, _ in started))
     name, file, line = started[0]
@@ -304,7 +305,7 @@ def no_clock(
 
     `bridged` are the topics of ROS that bridges of the plan publish; None where they are not known.
     """
-    if set(kinds) != {GZ} or bridged is None or not plan.is_complete:
+    if set(kinds) != {SIM} or bridged is None or not plan.is_complete:
         return
     if any(topic.rstrip("/").endswith("clock") for topic in bridged) or _may_bring_clock(plan):
         return
@@ -360,7 +361,7 @@ def other_worlds(plan: LaunchPlan, world: str | None) -> Iterator[Diagnostic]:
 
 def _named_worlds(plan: LaunchPlan) -> Iterator[tuple[Process, str]]:
     for program in started_programs(plan):
-        if _SPAWNERS.get((program.package or "", program.executable or "")) == GZ:
+        if _SPAWNERS.get((program.package or "", program.executable or "")) == SIM:
             yield program, read_options(program, CREATE).values.get("world", "")
 
 

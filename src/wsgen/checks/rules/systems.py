@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.checks.rules.plugins import RAYS, WITH_RAYS
 from wsgen.descriptions.sdf.source import line_of, path_of
 from wsgen.diagnostics import Rule, Severity
-from wsgen.gazebo.plugins import PLUGINS, SIMULATOR_NAMES, GazeboPlugin, stem
+from wsgen.gazebo.plugins import PLUGINS, GazeboPlugin, stem
 from wsgen.gazebo.sensors import SYSTEM_OF_SENSOR
 from wsgen.gazebo.systems import (
     DEFAULT_SYSTEMS,
@@ -22,6 +22,7 @@ from wsgen.gazebo.systems import (
     plugin_of,
     remark_on,
 )
+from wsgen.model.target import SIMULATORS
 from wsgen.text.suggestions import some_of
 from wsgen.text.xmltree import child_text, children
 
@@ -257,7 +258,7 @@ def missing_sensor_systems(
             f"{'publishes' if len(names) == 1 else 'publish'} nothing.",
             hint=f"Add {' '.join((*map(plugin_of, others), plugin))} to the <world>."
             if place.is_file
-            else f"Add <gazebo>{plugin}</gazebo> to the robot, or start {SIMULATOR_NAMES['gz']} "
+            else f"Add <gazebo>{plugin}</gazebo> to the robot, or start {SIMULATORS['gz']} "
             "with a world file that loads it.",
             severity=None if is_spawned_into else Severity.WARNING,
         )

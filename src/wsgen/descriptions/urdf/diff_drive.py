@@ -10,8 +10,9 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.descriptions.urdf.values import leading_float
-from wsgen.gazebo.plugins import CLASSIC, PLUGINS, SIM, SIMULATOR_NAMES, TWO_WHEELS, stem
+from wsgen.gazebo.plugins import PLUGINS, TWO_WHEELS, stem
 from wsgen.model.behavior import Bounds, DiffDrive, WheelPair
+from wsgen.model.target import CLASSIC, SIM, SIMULATORS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -21,8 +22,8 @@ if TYPE_CHECKING:
     Values = Mapping[str, tuple[str, ...]]  # parameter -> its texts
 
 
-SIMULATORS = {"gazebo_ros_diff_drive": CLASSIC, "diff-drive": SIM}  # by `stem`
-_STEMS = {simulator: name for name, simulator in SIMULATORS.items()}
+SIMULATOR_OF_STEM = {"gazebo_ros_diff_drive": CLASSIC, "diff-drive": SIM}  # by `stem`
+_STEMS = {simulator: name for name, simulator in SIMULATOR_OF_STEM.items()}
 
 
 class NoDrive(NamedTuple):
@@ -52,8 +53,8 @@ def find_diff_drive(robot: Robot, *, simulator: str | None = None) -> DiffDrive 
     suited = [one for one in found if simulator in (None, one[0])]
     if not suited:
         return NoDrive(
-            f"its diff drive plugin is for {SIMULATOR_NAMES[found[0][0]]}, but the launch file "
-            f"starts {SIMULATOR_NAMES[simulator or CLASSIC]}",
+            f"its diff drive plugin is for {SIMULATORS[found[0][0]]}, but the launch file "
+            f"starts {SIMULATORS[simulator or CLASSIC]}",
             "Use the diff drive plugin of that simulator.",
         )
     kind, plugin = suited[0]
@@ -74,8 +75,8 @@ class UnusableError(Exception):
 def _plugins(robot: Robot) -> Iterator[tuple[str, Plugin]]:
     for tag in robot.gazebo:
         for plugin in tag.plugins:
-            if (name := stem(plugin.filename)) in SIMULATORS:
-                yield SIMULATORS[name], plugin
+            if (name := stem(plugin.filename)) in SIMULATOR_OF_STEM:
+                yield SIMULATOR_OF_STEM[name], plugin
 
 
 def read_drive(kind: str, values: Values, robot: Robot) -> DiffDrive:

@@ -15,7 +15,7 @@ from std_msgs.msg import Bool
 from tf2_msgs.msg import TFMessage
 
 from wsgen.descriptions.urdf.diff_drive import UnusableError, read_drive
-from wsgen.gazebo.plugins import CLASSIC, SIM, TWO_WHEELS
+from wsgen.gazebo.plugins import TWO_WHEELS
 from wsgen.live.nodes.simulator.elements import boolean, number, topics_of
 from wsgen.live.nodes.simulator.host import CannotWorkError, Plugin
 from wsgen.live.nodes.simulator.messages import (
@@ -36,6 +36,7 @@ from wsgen.live.nodes.simulator.plugins.gz_drive import DrivePublisher, driven_j
 from wsgen.live.nodes.simulator.plugins.slip import SlipWatch
 from wsgen.live.nodes.simulator.plugins.wheels import WheelOdometry
 from wsgen.live.nodes.simulator.timing import Timer, until_next
+from wsgen.model.target import CLASSIC, SIM
 from wsgen.model.transform import compose, invert
 from wsgen.simulation.controllers import limited_motor, ode_motor
 
