@@ -788,7 +788,7 @@ from launch.actions import (
     RegisterEventHandler,
 )
 from launch.conditions import IfCondition
-from launch.event_handlers import OnProcessExit
+from launch.event_handlers import OnProcessExit, OnProcessStart
 from launch.launch_description_sources import PythonLaunchDescriptionSource
 from launch.substitutions import Command, LaunchConfiguration
 from launch_ros.actions import Node
@@ -964,6 +964,18 @@ LAUNCHES: dict[str, Plant] = {
     ),
     "LCH069": launch(
         GZ.replace(PUBLISH, "@,\n").replace("text = ", "description = ") + CREATE + "])\n"
+    ),
+    "LCH102": launch(
+        IMPORTS
+        + START
+        + "robot_state_publisher = "
+        + PUBLISH.rstrip(",\n")
+        + "\nspawn_robot = "
+        + CREATE.rstrip(",\n")
+        + RETURN
+        + "simulator,\nrobot_state_publisher,\n"
+        + CLOCK
+        + "@,\n])\n",
     ),
     "LCH070": launch(
         GZ.replace(CLOCK, "@,\n") + CREATE + "])\n",

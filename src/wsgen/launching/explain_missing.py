@@ -6,6 +6,7 @@ What is written where in launch files of Python, read without running them; path
 from __future__ import annotations
 
 import ast
+import collections
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -23,7 +24,7 @@ from wsgen.text.suggestions import advice, did_you_mean, nearest
 from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Sequence
 
 
 def nodes_of(file: str | Path) -> Iterator[Any]:
@@ -136,31 +137,61 @@ def absolute_part(path: str, files: Iterable[str | Path]) -> AbsolutePart | None
 class UnusedAction(NamedTuple):
     """An action that a launch file creates and does not add to its description."""
 
-    kind: str  # its class
-    name: str  # of the variable
+    name: str  # of the variable that has it in the end
     words: frozenset[str]  # the texts in it, and the parts of paths and command lines
     file: Path
     line: int
 
 
 def unused_actions(files: Iterable[Path], kinds: Iterable[str]) -> Iterator[UnusedAction]:
-    """The actions of these classes that are assigned to a variable which nothing reads."""
+    """The actions of these classes in variables that nothing reads.
+
+    What only such variables read is in them: a spawner in a handler that is not added.
+    """
     for file in files:
-        nodes = list(nodes_of(file))
-        names = [node for node in nodes if isinstance(node, ast.Name)]
-        read = {node.id for node in names if isinstance(node.ctx, ast.Load)}
-        for node in nodes:
-            if not isinstance(node, ast.Assign) or not isinstance(node.value, ast.Call):
-                continue
-            target, kind = node.targets[0], ast.unparse(node.value.func).rpartition(".")[2]
-            if kind in kinds and isinstance(target, ast.Name) and target.id not in read:
+        unread = _unread(list(nodes_of(file)))
+        for node in unread:
+            if ast.unparse(node.value.func).rpartition(".")[2] in kinds:  # type: ignore[attr-defined]  # a call
                 words = frozenset(
                     word
                     for part in ast.walk(node.value)
                     if isinstance(part, ast.Constant) and isinstance(part.value, str)
                     for word in part.value.replace("/", " ").split()
                 )
-                yield UnusedAction(kind, target.id, words, file, node.lineno)
+                outer = _outermost(node, unread)
+                yield UnusedAction(_name(outer), words, file, outer.lineno)
+
+
+def _outermost(node: ast.Assign, unread: Sequence[ast.Assign]) -> ast.Assign:
+    """The assignment of the variable that has a variable in it, and is in none."""
+    reader = next((one for one in unread if _name(node) in _names_in(one.value)), None)
+    return node if reader is None else _outermost(reader, unread)
+
+
+def _unread(nodes: Sequence[ast.AST]) -> list[ast.Assign]:
+    """The assignments of calls to variables that nothing reads but other ones of them."""
+    calls = [
+        node
+        for node in nodes
+        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call) and _name(node)
+    ]
+    read = collections.Counter(
+        node.id for node in nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load)
+    )
+    unread: list[ast.Assign] = []
+    while found := [one for one in calls if one not in unread and not read[_name(one)]]:
+        unread += found
+        for one in found:
+            read.subtract(_names_in(one.value))
+    return unread
+
+
+def _name(node: ast.Assign) -> str:
+    return getattr(node.targets[0], "id", "")
+
+
+def _names_in(value: ast.expr) -> list[str]:
+    return [node.id for node in ast.walk(value) if isinstance(node, ast.Name)]
 
 
 FILE_NOT_INSTALLED = Rule(

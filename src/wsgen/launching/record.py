@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
     from types import FrameType
 
+    from launch.base import Action, BaseEventHandler
     from wsgen.diagnostics import Diagnostic
     from wsgen.launching.live import Live
     from wsgen.model.plan import Include, LaunchArgument, Process
@@ -155,6 +156,9 @@ class Record:
         self.argument_use = ArgumentUse()
         self.unused_xacro_arguments: list[tuple[Mapping[str, str], Location | None]] = []
         self.visited: Location | None = None  # the line of the entity that is visited
+        self.handlers: list[BaseEventHandler] = []  # of events, that were registered in a plan
+        self.skipped: list[Action] = []  # visited ones whose condition did not hold
+        self.is_cut_short = False  # something ends the launch while more was to come
         self.is_ending = False  # what happens now is what the end of the launch brings about
         # The files that processes would write: path, text, and the xacro file it was made from.
         self.written: dict[str, str] = {}

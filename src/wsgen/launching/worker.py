@@ -93,6 +93,7 @@ def evaluate(
         else:
             _play(launch_file, request.arguments)
             _report_unused_arguments(launch_file, request.arguments)
+            _report_vain_handlers()
             package_lookup.report(launch_file)
         is_complete = True
     except NotPlainError:
@@ -425,6 +426,15 @@ def _report_unused_arguments(launch_file: str, arguments: Mapping[str, str]) -> 
         from wsgen.launching.launch_warnings import report_unused_arguments
 
         report_unused_arguments(launch_file, given, of_includes)
+
+
+def _report_vain_handlers() -> None:
+    """Report event handlers that are never called."""
+    vain = [one for one in RECORD.handlers if getattr(one, "wsgen_waits_in_vain", False)]
+    if vain:
+        from wsgen.launching.vain_handlers import report_vain_handlers
+
+        report_vain_handlers(vain)
 
 
 def _play(launch_file: str, arguments: Mapping[str, str]) -> None:

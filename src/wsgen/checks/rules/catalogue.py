@@ -53,6 +53,7 @@ MODULES = (
     "wsgen.launching.spawner_options",
     "wsgen.launching.spawning",
     "wsgen.launching.undeclared",
+    "wsgen.launching.vain_handlers",
     "wsgen.descriptions.meshes.inspection",
     "wsgen.descriptions.meshes.requests",
     "wsgen.descriptions.meshes.shape_meshes",

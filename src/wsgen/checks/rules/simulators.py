@@ -12,6 +12,7 @@ from wsgen.launching.explain_missing import where_written
 from wsgen.launching.simulators import simulator_kinds
 from wsgen.launching.spawner_options import CREATE, read_options
 from wsgen.model.target import CLASSIC, SIM
+from wsgen.ros.names import released_packages
 from wsgen.text.suggestions import did_you_mean, some_of
 from wsgen.text.values import lazy_pattern
 
@@ -68,13 +69,15 @@ WALL_CLOCK = Rule(
     code="LCH069",
     name="wall-clock-beside-simulator",
     severity=Severity.WARNING,
-    severity_varies="information about `robot_state_publisher`, whose transforms have the time of "
-    "the joint states",
+    severity_varies="information about `robot_state_publisher` where no other node uses the time "
+    "of the simulator, and no program of a user is started",
     summary="A node that uses time stamps does not use the time of the simulator.",
     what="Where a launch file starts a simulator, checks `use_sim_time` of "
     "`robot_state_publisher`, `joint_state_publisher`, robot_localization, slam_toolbox and Nav2.",
     why="Sensor data and joint states have simulation time, but the node uses the time of the "
-    "computer: transforms are too old or too new, and messages are dropped.",
+    "computer: transforms are too old or too new, and messages are dropped. "
+    "`robot_state_publisher` does not notice that the simulation is reset: it publishes no more "
+    "transforms of joints that move until the time is later than before.",
     example="Node(package='robot_state_publisher', executable='robot_state_publisher',\n"
     "     parameters=[{'robot_description': description}])",
     instead="Node(package='robot_state_publisher', executable='robot_state_publisher',\n"
@@ -268,7 +271,8 @@ def wall_clocks(plan: LaunchPlan, kinds: Collection[str]) -> Iterator[Diagnostic
     """Report nodes that do not use the time of the simulator beside them."""
     if not kinds:
         return
-    for program in started_programs(plan):
+    programs = started_programs(plan)
+    for program in programs:
         executables = _WITH_STAMPS.get(program.package or "", ())
         is_meant = executables is None or program.executable in executables
         if is_meant and uses_sim_time(plan, program) is False:
@@ -279,8 +283,26 @@ def wall_clocks(plan: LaunchPlan, kinds: Collection[str]) -> Iterator[Diagnostic
                 message=f"`{program.name or program.executable}` does not use the time of the "
                 "simulator that the launch file starts.",
                 hint="Add 'use_sim_time': True to its parameters.",
-                severity=Severity.INFO if program.package == "robot_state_publisher" else None,
+                # Its transforms have the time of the joint states: known programs go on with them.
+                severity=Severity.INFO
+                if program.package == _PUBLISHER and not _relies_on_time(plan, programs)
+                else None,
             )
+
+
+def _relies_on_time(plan: LaunchPlan, programs: Iterable[Process]) -> bool:
+    """Whether a node uses the time of the simulator, or may do so because it is a user's."""
+    return any(
+        one.package not in released_packages() or uses_sim_time(plan, one)
+        for one in programs
+        if one.package is not None
+        and one.package not in BRIDGES
+        and one.executable not in _ONLY_BRING
+    )
+
+
+_PUBLISHER = "robot_state_publisher"
+_ONLY_BRING = {"spawner", "spawner.py", *(executable for _, executable in _SPAWNERS)}
 
 
 def uses_sim_time(plan: LaunchPlan, node: Process) -> bool | None:

@@ -258,6 +258,7 @@ class ExecuteLocal(Action):
     """A process; for a plan it is recorded instead of started, and its events happen."""
 
     wsgen_keywords = _RUNNING  # that are taken and say nothing
+    wsgen_endless: Process | None = None  # what was started and does not exit by itself
 
     def __init__(
         self,
@@ -353,6 +354,7 @@ class ExecuteLocal(Action):
         exited.wsgen_cause = f"exit of {self.process_name}"
         context.timeline.post(started)
         lives_on = commands.runs_for_ever(process)
+        self.wsgen_endless = process if lives_on else None
         context.timeline.post(exited, delay=NEVER if lives_on else PROCESS_TIME)
 
     def _executed(self, context: LaunchContext) -> None:
@@ -385,6 +387,11 @@ class ExecuteProcess(ExecuteLocal):
     def name(self) -> Any:
         """What the process is called."""
         return self.__name
+
+    @property
+    def wsgen_program(self) -> list[list[Substitution]]:
+        """What names the program that it would start, before it is executed."""
+        return self.cmd
 
     def execute(self, context: LaunchContext) -> Iterable[LaunchDescriptionEntity] | None:
         """As every process; what `ros2 launch` starts in it is started too."""

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
-from wsgen.launching.record import caller
+from wsgen.launching.record import RECORD, caller
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -59,6 +59,8 @@ class LaunchDescriptionEntity(Located):
 class Action(LaunchDescriptionEntity):
     """Base of all actions, also of those that users write."""
 
+    wsgen_is_visited = False
+
     def __init__(self, *, condition: Condition | None = None) -> None:
         self.__condition = condition
 
@@ -97,7 +99,9 @@ class Action(LaunchDescriptionEntity):
 
     def visit(self, context: LaunchContext) -> Iterable[LaunchDescriptionEntity] | None:
         """Execute it if its condition holds, and emit the event that it is complete."""
+        self.wsgen_is_visited = True
         if self.__condition is not None and not self.__condition.evaluate(context):
+            RECORD.skipped.append(self)
             return None
         try:
             return self.execute(context)
@@ -152,6 +156,8 @@ class Event:
 class BaseEventHandler(Located):
     """Decides which events it handles; with `handle_once` only the first."""
 
+    wsgen_is_handled = False
+
     def __init__(self, *, matcher: Callable[[Event], bool], handle_once: bool = False) -> None:
         self.__matcher = matcher
         self.__handle_once = handle_once
@@ -177,6 +183,7 @@ class BaseEventHandler(Located):
     def handle(self, event: Event, context: LaunchContext) -> Any:
         """Handle the event; what comes back is visited."""
         del event
+        self.wsgen_is_handled = True
         if self.__handle_once:
             context.unregister_event_handler(self)
 

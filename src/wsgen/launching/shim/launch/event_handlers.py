@@ -53,28 +53,39 @@ class OnActionEventBase(BaseEventHandler):
 
         super().__init__(matcher=matches, **kwargs)
         self._on_event = on_event
-        self._actions = [] if callable(on_event) else _entities(on_event)
-        self._location = caller() or RECORD.visited
+        self._event = target_event_cls
+        self.wsgen_actions = [] if callable(on_event) else _entities(on_event)
+        self.wsgen_origin = caller() or RECORD.visited
+        is_known = is_action and not hasattr(action_matcher, "wsgen_is_unknown")
+        self.wsgen_target: Action | None = action_matcher if is_known else None
+
+    @property
+    def wsgen_waits_in_vain(self) -> bool:
+        """Whether, after the launch was played, the event of its one action never happens."""
+        target = self.wsgen_target
+        if target is None or target.wsgen_is_visited:
+            return self._event in _OF_ENDS and getattr(target, "wsgen_endless", None) is not None
+        return True
 
     def handle(self, event: Event, context: LaunchContext) -> Any:
         """Give the actions, or what the function gives."""
         super().handle(event, context)
-        if isinstance(event, ProcessExited) and self._actions:
-            (first, *_) = self._actions
+        if isinstance(event, ProcessExited) and self.wsgen_actions:
+            (first, *_) = self.wsgen_actions
             if not isinstance(first, LaunchDescriptionEntity) and RECORD.live is None:
                 # The launch fails when the process ends, and as long as it runs it does not.
                 from wsgen.launching.launch_warnings import report_no_action
 
-                report_no_action(first, self._location)
+                report_no_action(first, self.wsgen_origin)
                 return None
-        return self._actions or self._function()(event, context)
+        return self.wsgen_actions or self._function()(event, context)
 
     def describe(self) -> tuple[str, list[LaunchDescriptionEntity]]:
         """Itself in words, and its actions."""
         text, actions = super().describe()
-        if not self._actions:
+        if not self.wsgen_actions:
             self._function()
-        actions.extend(self._actions)
+        actions.extend(self.wsgen_actions)
         return text, actions
 
     def _function(self) -> Any:
@@ -190,5 +201,7 @@ class OnShutdown(BaseEventHandler):
             return self.__on_shutdown(event, context)
         return self.__on_shutdown
 
+
+_OF_ENDS = (ExecutionComplete, ProcessExited)
 
 show_public_names(__name__)

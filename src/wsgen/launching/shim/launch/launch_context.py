@@ -206,6 +206,8 @@ class LaunchContext:
         append: bool = False,  # noqa: FBT001, FBT002  as the original
     ) -> None:
         """The handler registered last is asked first, unless it is appended."""
+        if RECORD.live is None:
+            RECORD.handlers.append(event_handler)
         if append:
             self._event_handlers.append(event_handler)
         else:
@@ -232,6 +234,7 @@ class LaunchContext:
         if RECORD.live is not None:  # what runs is yet to end
             self.timeline.post(event)
             return
+        RECORD.is_cut_short |= not RECORD.is_ending
         self.is_shutdown = RECORD.is_ending = True
         self.timeline.clear()
         self.timeline.post(event)

@@ -89,6 +89,11 @@ class Node(ExecuteProcess):
         self.wsgen_path: str | None = None
 
     @property
+    def wsgen_program(self) -> list[list[Substitution]]:
+        """What names its program."""
+        return [self.__executable]
+
+    @property
     def node_name(self) -> str:
         """The full name, once the node was executed."""
         if self.__full_name is None:
