@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity
-from wsgen.model.alike import summed_up
+from wsgen.model.outcome import summed_up
 
 RULE = Rule(
     code="ROB999",

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.building.request import (
+from wsgen.building.colcon import (
     PYTHON_EXTENSIONS,
     TOOLCHAIN_EXTENSION,
     block_extensions,

@@ -8,7 +8,7 @@ import pytest
 
 from build.building import build_here
 from kind_workspaces import WORKSPACES
-from wsgen.building.python_installed import check_python_packages, without_warnings
+from wsgen.building.installed import check_python_packages, without_warnings
 from wsgen.building.run import BuildResult
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.packages.workspace.layout import Workspace, read_package

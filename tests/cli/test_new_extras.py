@@ -18,7 +18,7 @@ from wsgen import __version__
 from wsgen.cli import CommandTable, run
 from wsgen.cli import wsgen as group
 from wsgen.model.target import TARGETS, Target, choose_target
-from wsgen.templating.workflows import WORKFLOWS, render_workflow
+from wsgen.templating.render import WORKFLOWS, render_workflow
 
 SERVICES = {"github": ".github/workflows/wsgen.yml", "gitlab": ".gitlab-ci.yml"}
 GIVEN = ("--maintainer-name", "Ada", "--maintainer-email", "ada@example.com")

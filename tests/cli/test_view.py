@@ -14,7 +14,7 @@ import pytest
 import wsgen.cli
 from live_launch import is_alive, wait_until
 from viewing.robots import ARM, write_crane
-from wsgen.cli import browser
+from wsgen.cli import view
 
 SPAWNING = """\
 import os
@@ -101,7 +101,7 @@ def test_options_that_do_not_go_together(
     ],
 )
 def test_the_address_can_be_opened_on_this_machine(host: str, url: str) -> None:
-    assert browser.url_of(host, 8080) == url
+    assert view.url_of(host, 8080) == url
 
 
 @pytest.mark.parametrize(
@@ -133,7 +133,7 @@ def test_a_browser_is_opened_where_somebody_sees_it(
         return True
 
     monkeypatch.setattr("webbrowser.open", open_it)
-    browser.announce("127.0.0.1", 8123, opens=opens, quiet=False)
+    view.announce("127.0.0.1", 8123, opens=opens, quiet=False)
     assert bool(opened) == is_opened
     captured = capsys.readouterr()
     assert captured.out == "http://127.0.0.1:8123\n"

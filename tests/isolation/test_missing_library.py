@@ -55,7 +55,7 @@ def unloadable(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 
 
 def test_what_the_linker_says(unloadable: str) -> None:
-    death = parent.run("wsgen.isolation.imports:import_modules", [unloadable])
+    death = parent.run("wsgen.isolation.child:import_modules", [unloadable])
     assert isinstance(death, Died)
     assert find_missing_library(death.reason) == MissingLibrary(
         "libQ.so.6", "apt-file search libQ.so.6"

@@ -104,11 +104,11 @@ def test_the_end_of_the_parent_while_a_server_imports(tmp_path: Path) -> None:
 
 HELD_TOO_LATE = """
 import os, signal, sys, time
-from wsgen.isolation import parent_death
+from wsgen.isolation import system
 os.setsid()
 for_child, ours = os.pipe()
 os.close(ours)
-getattr(parent_death, sys.argv[1])(for_child, signal.SIGTERM)
+getattr(system, sys.argv[1])(for_child, signal.SIGTERM)
 time.sleep(60)
 """
 

@@ -277,9 +277,9 @@ def test_a_child_that_eats_memory(run: Run, task: Task) -> None:
 def test_the_watcher_sees_the_memory_that_macos_does_not_limit(tmp_path: Path) -> None:
     script = """
 import os, sys, time
-from wsgen.isolation import watcher
+from wsgen.isolation import child
 request = {"cpu_seconds": 60, "output": 0, "memory": 2**28, "scratch": sys.argv[1]}
-watcher.watch(request, lambda cause: (print(cause, flush=True), os._exit(0)))
+child.watch(request, lambda cause: (print(cause, flush=True), os._exit(0)))
 time.sleep(0.2)
 print("begins", flush=True)
 eaten = b"x" * 2**29
@@ -297,8 +297,8 @@ def test_windows_limits_with_what_it_has(windows_like: Path) -> None:
     """The tests of `run` with it are about what they say."""
     script = """
 import sys
-from wsgen.isolation import child, parent, system, watcher
-print(child.resource, watcher.resource, system.has_guards(), hasattr(child.signal, "SIGXFSZ"))
+from wsgen.isolation import child, parent, system
+print(child.resource, system.has_guards(), hasattr(child.signal, "SIGXFSZ"))
 print(parent.UTF_8, sys.platform)
 """
     ended = subprocess.run([windows_like, "-c", script], capture_output=True, text=True, check=True)

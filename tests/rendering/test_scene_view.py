@@ -27,8 +27,8 @@ from wsgen.simulation.scene import Scene, SpawnedRobot
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from wsgen.model.outcome import SceneView, ViewPart
     from wsgen.model.robot import Geometry
-    from wsgen.model.scene_view import SceneView, ViewPart
 
 AT = Pose((0.0, 0.0, 1.0))
 RED, BLUE = (1.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1.0, 0.5)

@@ -19,7 +19,7 @@ import pytest
 
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.errors import NotFoundError
-from wsgen.model.behavior import BehaviorOutcome, Drive, LaunchTask, Reach, Task
+from wsgen.model.behavior import BehaviorOutcome, Drive, LaunchTask, Reach, Task, TimeSeries
 from wsgen.model.outcome import (
     EngineOutcome,
     NotValidated,
@@ -27,12 +27,12 @@ from wsgen.model.outcome import (
     PackageOutcome,
     Rest,
     RobotOutcome,
+    SceneView,
     Simulated,
+    ViewPart,
 )
 from wsgen.model.plan import Include, LaunchArgument, LaunchPlan, Process, Unresolved
 from wsgen.model.robot import Box, Inertial, Joint, JointLimit, JointType, Link, Robot, Visual
-from wsgen.model.scene_view import SceneView, ViewPart
-from wsgen.model.time_series import TimeSeries
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
 from wsgen.reporting import plotly_library

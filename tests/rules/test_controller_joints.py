@@ -12,8 +12,7 @@ from wsgen.checks.rules.controller_joints import (
     missing_controller_file,
 )
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.model.control import ControlledPart, ControlSystem
-from wsgen.model.robot import Joint, JointType, Plugin
+from wsgen.model.robot import ControlledPart, ControlSystem, Joint, JointType, Plugin
 from wsgen.text import yamlfile
 
 FILE = Path("controllers.yaml")

@@ -10,8 +10,15 @@ import pytest
 
 from wsgen.checks.rules.ros2_control import ControlFacts, check_control, transmissions
 from wsgen.diagnostics import Severity
-from wsgen.model.control import ControlledPart, ControlSystem, Transmission
-from wsgen.model.robot import Joint, JointType, Mimic, Plugin
+from wsgen.model.robot import (
+    ControlledPart,
+    ControlSystem,
+    Joint,
+    JointType,
+    Mimic,
+    Plugin,
+    Transmission,
+)
 
 if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic

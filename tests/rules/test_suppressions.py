@@ -10,7 +10,7 @@ from wsgen.checks.rules.runs import FALLS_WITHOUT_END
 from wsgen.checks.rules.suppressions import OF_MACHINE, suppress
 from wsgen.descriptions.urdf.reader import UNKNOWN_URDF_VERSION
 from wsgen.diagnostics import has_errors
-from wsgen.packages.workspace.allowances import Allowance
+from wsgen.packages.workspace.settings import Allowance
 
 PACKAGE = Path("/p")
 ROBOT = PACKAGE / "urdf" / "r.urdf"

@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from wsgen.errors import RequestError
-from wsgen.templating.maintainer import find_maintainer
+from wsgen.templating.spec import find_maintainer
 
 
 @pytest.fixture(autouse=True)

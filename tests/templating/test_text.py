@@ -4,14 +4,8 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from wsgen.errors import RequestError
-from wsgen.templating.text import (
-    check_description,
-    check_maintainer_email,
-    check_maintainer_name,
-    markdown_text,
-    toml_string,
-    xml_text,
-)
+from wsgen.templating.environment import markdown_text, toml_string, xml_text
+from wsgen.templating.spec import check_description, check_maintainer_email, check_maintainer_name
 
 if sys.version_info >= (3, 11):
     import tomllib

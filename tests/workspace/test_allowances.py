@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.packages.workspace.allowances import comments_in, find_comments
-from wsgen.packages.workspace.settings import read_settings
+from wsgen.packages.workspace.settings import comments_in, find_comments, read_settings
 
 FILE = Path("f")
 

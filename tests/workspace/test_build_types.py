@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.packages.workspace.build_types import check_build_type
 from wsgen.packages.workspace.manifest import Entry, Manifest
+from wsgen.packages.workspace.package_xml import check_build_type
 
 FILE = Path("package.xml")
 

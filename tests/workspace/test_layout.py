@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from build.building import PACKAGE_XML, write_package
-from wsgen.building.request import refuse_empty
+from wsgen.building.colcon import refuse_empty
 from wsgen.errors import NotFoundError, RequestError
 from wsgen.packages.workspace.layout import (
     Workspace,

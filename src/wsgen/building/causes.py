@@ -36,8 +36,14 @@ from wsgen.packages.build_files.cmake_checks import (
     word_unclosed,
     word_unknown_command,
 )
-from wsgen.packages.build_files.cmake_keywords import meant_keyword, word_keyword
-from wsgen.packages.build_files.cmake_text import find_open_block, parse, read_calls, read_text
+from wsgen.packages.build_files.cmake_text import (
+    find_open_block,
+    meant_keyword,
+    parse,
+    read_calls,
+    read_text,
+    word_keyword,
+)
 from wsgen.packages.build_files.install_checks import word_missing_path
 from wsgen.packages.workspace.manifest import read_manifest
 from wsgen.packages.workspace.package_xml import check_package_xml
@@ -688,7 +694,7 @@ def _find_install(failure: Failure, name: str) -> tuple[int | None, str]:
 
 
 def _xacro_error(failure: Failure) -> Iterator[Diagnostic]:
-    """Report what `wsgen.building.ros_commands` prints."""
+    """Report what `wsgen.building.package_environment` prints."""
     for name, line, message, hint in re.findall(
         r"(?m)^xacro: (.+?):(\d*): (.+)\nxacro: (.*)$", failure.output
     ):

@@ -16,7 +16,7 @@ from colcon_core.executor import Job
 from wsgen.building.colcon_events import write_events_to
 from wsgen.building.package_environment import set_package_environments
 from wsgen.building.python_environments import ignore_python_environments
-from wsgen.isolation.parent_death import end_with_parent, take_parent_death_pipe
+from wsgen.isolation.system import end_with_parent, take_parent_death_pipe
 
 sys.path[:] = json.loads(sys.argv[1])
 events = os.fdopen(os.dup(1), "w", encoding="utf-8")

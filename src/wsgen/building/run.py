@@ -8,15 +8,19 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.building.colcon import STEP, Finished, PackageResult, Progress, run_colcon
-from wsgen.building.installed import NEW_CACHE, check_installed, find_relocated
-from wsgen.building.request import (
+from wsgen.building.colcon import (
+    STEP,
+    Finished,
+    PackageResult,
+    Progress,
     block_extensions,
     blocked_extensions,
     build_arguments,
     choose_packages,
+    run_colcon,
     selects_packages,
 )
+from wsgen.building.installed import NEW_CACHE, check_installed, find_relocated
 from wsgen.building.source_packages import (
     WITHOUT_TESTS,
     missing_build_types,
@@ -163,7 +167,7 @@ class BuildResult:
 
             lines = [*split_deprecations(lines)[0]]
         if any("setuptools" in line or "byte-compiling" in line for line in lines):
-            from wsgen.building.python_installed import without_warnings  # noqa: PLC0415  as above
+            from wsgen.building.installed import without_warnings  # noqa: PLC0415  as above
 
             lines = without_warnings(lines)
         return tuple(lines)
@@ -423,7 +427,7 @@ def _unreported(job: _Job, finished: Finished, progress: Progress) -> Iterator[D
     built = [package for package in job.inventory.packages if package.name in results]
     yield from check_installed(built, job.workspace)
     if any(package.build_type == "ament_python" for package in built):
-        from wsgen.building.python_installed import check_python_packages  # noqa: PLC0415  as above
+        from wsgen.building.installed import check_python_packages  # noqa: PLC0415  as above
 
         error_output = {result.name: result.error_output for result in progress.results}
         yield from check_python_packages(built, job.workspace, error_output)

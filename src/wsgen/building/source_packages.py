@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.packages.build_files.cmake_text import read_calls
-from wsgen.packages.workspace.build_types import missing_build_type, unknown_build_type
 from wsgen.packages.workspace.manifest import DEFAULT_BUILD_TYPE, read_manifest
+from wsgen.packages.workspace.package_xml import missing_build_type, unknown_build_type
 from wsgen.text.suggestions import some_of
 
 if TYPE_CHECKING:

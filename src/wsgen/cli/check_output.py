@@ -12,7 +12,7 @@ from wsgen.cli.output import COLORS, ORDER
 from wsgen.cli.terminal import draw_table
 from wsgen.cli.words import short_name
 from wsgen.diagnostics import Severity
-from wsgen.model.alike import summed_up
+from wsgen.model.outcome import summed_up
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

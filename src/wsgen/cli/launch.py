@@ -215,7 +215,7 @@ def command(
     video = _only_video(recordings)
     request = _request(arguments, answers, video, picture, seconds, engine)
     if play and is_viewed:
-        from wsgen.cli.play_view import view_simulation
+        from wsgen.cli.view import view_simulation
 
         return view_simulation(
             selected, request, host, port, opens=not no_browser, quiet=quiet, verbose=verbose

@@ -265,7 +265,7 @@ def _showing(
     quiet: bool,
 ) -> AbstractContextManager[None]:
     """Show the run of a folder in the browser."""
-    from wsgen.cli.browser import announce
+    from wsgen.cli.view import announce
     from wsgen.reporting.viewing.live_run import Launched, showing_run
     from wsgen.reporting.viewing.view import not_listening
 
@@ -306,7 +306,7 @@ def _print(diagnostics: tuple[Diagnostic, ...], *, verbose: bool) -> None:
 
     from wsgen.cli.output import MOST_ALIKE, render_diagnostics, without_notes
     from wsgen.diagnostics import has_errors
-    from wsgen.model.alike import summed_up
+    from wsgen.model.outcome import summed_up
 
     most_alike = None if verbose else MOST_ALIKE
     if not verbose and not has_errors(diagnostics):

@@ -195,9 +195,8 @@ def command(
     import os
     from pathlib import Path
 
-    from wsgen.cli.progress import listening
+    from wsgen.cli.progress import SweepProgress, listening
     from wsgen.cli.report_files import require_places
-    from wsgen.cli.sweep_progress import SweepProgress
     from wsgen.cli.validate import is_file_name
     from wsgen.cli.words import launch_file_of, split_launch_arguments
     from wsgen.packages.workspace.sweep_settings import SweepSettings

@@ -1,4 +1,4 @@
-"""`wsgen view`."""
+"""`wsgen view`, `wsgen launch --play --view`, and the address of pages in a browser."""
 
 from __future__ import annotations
 
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.pipeline.describe import DescribedScene
+    from wsgen.pipeline.requests import SelectedLaunchFile, ValidateRequest
     from wsgen.reporting.viewing.view import View
 
 
@@ -118,7 +119,6 @@ def _serve(
     from contextlib import suppress
     from pathlib import Path
 
-    from wsgen.cli.browser import announce
     from wsgen.cli.words import short_path
     from wsgen.reporting.viewing.page import JointPage
 
@@ -149,3 +149,91 @@ def print_diagnostics(found: DescribedScene, *, verbose: bool) -> None:
     most_alike = None if verbose else MOST_ALIKE
     for line in render_diagnostics(found.diagnostics, most_alike=most_alike):
         echo(line, err=True)
+
+
+def announce(host: str, port: int, *, opens: bool, quiet: bool) -> None:
+    """Print the address of a page; open it in a browser if `opens` and somebody would see it."""
+    url = url_of(host, port)
+    echo(url)
+    is_seen = opens and _has_desktop() and _open(url)
+    if not quiet:
+        what = "" if is_seen else "Open this address in a browser. "
+        echo(f"{what}Press Ctrl-C to end.", err=True)
+
+
+def url_of(host: str, port: int) -> str:
+    """The address of a page that is served on this machine."""
+    name = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}.get(host)  # noqa: S104  an address to open
+    return f"http://{name or (f'[{host}]' if ':' in host else host)}:{port}"
+
+
+def _has_desktop() -> bool:
+    """Whether a browser would have a window: not in CI, and not on a machine without a display."""
+    import os
+    import sys
+
+    if os.environ.get("CI"):
+        return False
+    if sys.platform.startswith("linux"):
+        return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+    return True
+
+
+def _open(url: str) -> bool:
+    import webbrowser
+
+    try:
+        return webbrowser.open(url)
+    except webbrowser.Error:
+        return False
+
+
+def view_simulation(
+    selected: SelectedLaunchFile,
+    request: ValidateRequest,
+    host: str,
+    port: int | None,
+    *,
+    opens: bool,
+    quiet: bool,
+    verbose: bool,
+) -> int:
+    """Simulate what a launch file spawns, and show it until the user ends it with Ctrl-C."""
+    from contextlib import closing, suppress
+    from dataclasses import replace
+
+    from wsgen.cli.progress import listening
+    from wsgen.isolation.parent import make_scratch
+    from wsgen.pipeline.describe import describe_launch
+    from wsgen.pipeline.engines import check_engines
+    from wsgen.pipeline.run_robots import spawned_robots
+    from wsgen.reporting.viewing.view import check_viewer, choose_port
+    from wsgen.simulation.scene import Scene
+    from wsgen.simulation.session import Session
+
+    check_viewer()
+    check_engines(request.engines)
+    port = choose_port(host, port)
+    viewed = replace(request, is_viewed=True)
+    with make_scratch() as folder:
+        with listening(quiet=quiet, verbose=verbose) as listener:
+            found = describe_launch(selected, viewed, folder, listener=listener)
+        print_diagnostics(found, verbose=verbose)
+        runnable = [robot for robot in found.robots if robot.can_run]
+        if found.world is None or all(robot.is_static_model for robot in runnable):
+            return EXIT_FAILED
+        robots = spawned_robots(runnable)
+        scene = Scene(world=found.world, robots=robots, engine=request.engines[0])
+        # It takes half a second to import, and serves nothing that has an error.
+        from wsgen.reporting.viewing.play import Player
+        from wsgen.reporting.viewing.simulation_page import SimulationPage
+
+        with suppress(KeyboardInterrupt):
+            page = SimulationPage(host=host, port=port, title=found.name)
+            try:
+                with closing(Player(found, lambda: Session(scene, remembered=0), page)) as player:
+                    announce(host, page.port, opens=opens, quiet=quiet)
+                    player.run()
+            finally:
+                page.stop()
+    return EXIT_PASSED

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 OS_RELEASE = ("etc/os-release", "usr/lib/os-release")  # the first that exists
 DRAWING_TASK = "wsgen.rendering.renderer:draw_a_box"
-IMPORTING_TASK = "wsgen.isolation.imports:import_modules"
+IMPORTING_TASK = "wsgen.isolation.child:import_modules"
 SYSTEMS = {"linux": "Linux", "darwin": "macOS", "win32": "Windows"}
 
 

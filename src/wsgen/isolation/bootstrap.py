@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 from wsgen.isolation import child
-from wsgen.isolation.parent_death import take_parent_death_pipe
+from wsgen.isolation.system import take_parent_death_pipe
 
 request = pickle.loads(Path(sys.argv[1]).read_bytes())  # noqa: S301  the parent wrote it
 request["parent_death_pipe"] = take_parent_death_pipe()

@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING
 
 from wsgen.isolation import parent, system
 from wsgen.isolation.codec import encode
-from wsgen.isolation.parent_death import open_parent_death_pipe
 from wsgen.isolation.result import (
     DEFAULT_LIMITS,
     Answered,
@@ -31,6 +30,7 @@ from wsgen.isolation.result import (
     read_lateness,
     read_tail,
 )
+from wsgen.isolation.system import open_parent_death_pipe
 from wsgen.text.values import dataclass
 
 try:

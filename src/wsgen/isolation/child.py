@@ -9,14 +9,14 @@ import math
 import os
 import signal
 import sys
+import time
 import traceback
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wsgen.isolation.codec import encode
-from wsgen.isolation.parent_death import end_with_parent_by_thread
-from wsgen.isolation.system import end_tree
+from wsgen.isolation.system import end_tree, end_with_parent_by_thread
 
 try:
     import resource
@@ -24,10 +24,12 @@ except ImportError:  # on Windows
     resource = None  # type: ignore[assignment]
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
     from types import FrameType
 
 SPARE_CPU_SECONDS = 5  # between the soft and the hard limit
+SECONDS_BETWEEN_CHECKS = 0.05
+RESIDENT_UNIT = 1 if sys.platform == "darwin" else 1024  # bytes, of `ru_maxrss`
 
 _scratch: Path | None = None
 _first_frame: FrameType | None = None
@@ -84,6 +86,16 @@ def set_search_path(own: list[str]) -> None:
     sys.path[:] = own + [entry for entry in overlay if entry and entry not in own]
 
 
+def import_modules(names: list[str]) -> None:
+    """Import modules: a task, as one that is compiled for another machine may crash.
+
+    Raises:
+        ImportError: one cannot be imported.
+    """
+    for name in names:
+        importlib.import_module(name)
+
+
 def perform(request: dict[str, Any]) -> None:
     """Perform the task, write its answer into the scratch folder, and end the process."""
     # The process has one task; its functions announce from anywhere.
@@ -95,8 +107,6 @@ def perform(request: dict[str, Any]) -> None:
 
         stand_guard(request["parent_death_pipe"], request["cpu_seconds"])
     else:
-        from wsgen.isolation.watcher import watch  # noqa: PLC0415  not on Linux
-
         end_with_parent_by_thread(request["parent_death_pipe"])
         watch(request, _end_at_limit)
     _limit(request["memory"], request["cpu_seconds"], request["output"])
@@ -129,12 +139,6 @@ def _answer(text: str) -> None:
     part.replace(part.with_suffix(""))
 
 
-def _end_at_limit(cause: str) -> None:
-    with suppress(OSError):  # a full disk
-        _answer(json.dumps({"cause": cause}))
-    end_tree(os.getpid())
-
-
 def _limit(memory: int, cpu_seconds: float, output: int) -> None:
     """Limit address space, CPU time and output where the system supports it."""
     if resource is None:
@@ -151,3 +155,37 @@ def _limit(memory: int, cpu_seconds: float, output: int) -> None:
         # A hard limit may be lower already, and macOS refuses RLIMIT_AS.
         with suppress(ValueError, OSError):
             resource.setrlimit(kind, (soft, hard))
+
+
+def _end_at_limit(cause: str) -> None:
+    with suppress(OSError):  # a full disk
+        _answer(json.dumps({"cause": cause}))
+    end_tree(os.getpid())
+
+
+def watch(request: dict[str, Any], end: Callable[[str], None]) -> None:
+    """Start a thread that calls `end` with the cause when a child without a guard exceeds a limit.
+
+    What the child starts counts when the child has waited for it. Code that holds the lock of the
+    interpreter holds up the thread, too: it ends at the limit of CPU time of the system (macOS), or
+    at that of wall-clock time.
+    """
+
+    def check() -> None:
+        while (cause := _exceeded(request)) is None:
+            time.sleep(SECONDS_BETWEEN_CHECKS)
+        end(cause)
+
+    _thread.start_new_thread(check, ())
+
+
+def _exceeded(request: dict[str, Any]) -> str | None:
+    """Return the cause of a `Died` if this process exceeds a limit."""
+    if sum(os.times()[:4]) > request["cpu_seconds"]:
+        return "cpu time"
+    if Path(request["scratch"], "output").stat().st_size > request["output"]:
+        return "output"
+    if resource is not None:
+        resident = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * RESIDENT_UNIT
+        return "memory" if resident > request["memory"] else None
+    return None

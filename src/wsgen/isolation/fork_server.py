@@ -20,7 +20,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.isolation import parent, system
-from wsgen.isolation.parent_death import open_parent_death_pipe
 from wsgen.isolation.result import (
     DEFAULT_LIMITS,
     Answered,
@@ -32,6 +31,7 @@ from wsgen.isolation.result import (
     read_lateness,
     read_tail,
 )
+from wsgen.isolation.system import open_parent_death_pipe
 
 if TYPE_CHECKING:
     import subprocess

@@ -21,7 +21,7 @@ from typing import Any
 
 from wsgen.isolation.child import set_environment
 from wsgen.isolation.guard import adopt_orphans, end_guard, kill_children
-from wsgen.isolation.parent_death import end_with_parent
+from wsgen.isolation.system import end_with_parent
 
 PATH_BYTES = 4096  # no path is longer
 WAKEUP_BYTES = 4096  # one byte for each child that ended

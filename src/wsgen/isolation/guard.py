@@ -4,7 +4,7 @@ A child may start processes that leave its group and its session. Linux makes th
 of every process that loses its own, so the guard finds all of them, counts their CPU time and ends
 them. A child that kills its parent kills its guard, not wsgen.
 
-Other systems than Linux have no guard, see `wsgen.isolation.watcher`: a process that leaves the
+Other systems than Linux have no guard, see `wsgen.isolation.child`: a process that leaves the
 child's group outlives the child.
 """
 
@@ -19,7 +19,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, NoReturn
 
 from wsgen.errors import EXIT_STOPPED
-from wsgen.isolation.parent_death import end_with_parent
+from wsgen.isolation.system import end_with_parent
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator

@@ -11,8 +11,7 @@ from wsgen.errors import RequestError, SessionDiedError
 from wsgen.live.prepare import RunRequest
 from wsgen.live.session import BrokenLaunchError, open_live
 from wsgen.live.tracebacks import LastTraceback, find_source
-from wsgen.model.behavior import LiveMeasurement
-from wsgen.model.time_series import TimeSeries
+from wsgen.model.behavior import LiveMeasurement, TimeSeries
 from wsgen.model.transform import rotation_of_quaternion
 from wsgen.packages.workspace.layout import find_packages
 from wsgen.pipeline.changed_since_build import shares_of

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from wsgen.isolation import parent
 from wsgen.isolation.codec import encode
 from wsgen.isolation.guard import adopt_orphans, kill_children
-from wsgen.isolation.parent_death import open_parent_death_pipe
+from wsgen.isolation.system import open_parent_death_pipe
 from wsgen.live.request import GO, INTERRUPT, NODES, NODES_FILE, TERMINATE
 from wsgen.live.shared_memory import remove_left_behind
 from wsgen.simulation.live_runs import REQUEST_FILE

@@ -22,7 +22,7 @@ from typing import TypeVar
 from wsgen.errors import EXIT_FAILED
 from wsgen.isolation.codec import decode
 from wsgen.isolation.guard import stand_guard
-from wsgen.isolation.parent_death import take_parent_death_pipe
+from wsgen.isolation.system import take_parent_death_pipe
 from wsgen.live.request import (
     GO,
     NODES,

@@ -10,7 +10,6 @@ import math
 from collections.abc import Mapping  # noqa: TC003  the file of a live run is decoded by type hints
 from dataclasses import field
 
-from wsgen.model.time_series import TimeSeries  # noqa: TC001  as above
 from wsgen.model.world import Spawn  # noqa: TC001  as above
 from wsgen.text.values import dataclass
 
@@ -211,3 +210,16 @@ class DiffDrive:
     linear: Bounds = field(default_factory=Bounds)
     angular: Bounds = field(default_factory=Bounds)
     rim: Bounds = field(default_factory=Bounds)  # of each wheel's rim
+
+
+@dataclass(frozen=True, kw_only=True)
+class TimeSeries:
+    """Samples of one robot while it stood, or during one behavior; all of them equally long."""
+
+    behavior: str | None = None  # its name; None: from spawning to the end of the simulation
+    seconds: tuple[float, ...]  # simulated, since it was spawned or began the behavior
+    positions: tuple[tuple[float, float, float], ...]  # m, of the root link's frame
+    speeds: tuple[float, ...]  # m/s, of the root link's center of mass
+    tilts: tuple[float, ...]  # rad, between what was up in the robot when spawned and up
+    joint_positions: Mapping[str, tuple[float, ...]]  # rad or m, of the movable joints by name
+    heading: float = 0.0  # rad, of the root link's x axis on the ground, at the first sample

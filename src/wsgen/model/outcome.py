@@ -1,23 +1,24 @@
-"""The results of `wsgen validate`, ready for a report. SI units; poses in the world frame."""
+"""The results of `wsgen validate`, ready for a report. SI units; poses in the world frame.
+
+Diagnostics of one cause, which differ only in what they name, become one (`summed_up`).
+"""
 
 from __future__ import annotations
 
-from dataclasses import field
-from typing import TYPE_CHECKING
+from dataclasses import field, replace
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import has_errors
-from wsgen.text.values import dataclass
+from wsgen.text.values import dataclass, lazy_pattern
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.behavior import BehaviorOutcome
+    from wsgen.model.behavior import BehaviorOutcome, TimeSeries
     from wsgen.model.plan import LaunchPlan
     from wsgen.model.robot import Robot
-    from wsgen.model.scene_view import SceneView
-    from wsgen.model.time_series import TimeSeries
     from wsgen.model.transform import Pose
     from wsgen.model.world import World
 
@@ -150,3 +151,112 @@ class Outcome:
     def passed(self) -> bool:
         """Whether every package was validated and passed."""
         return self.is_complete and all(package.passed for package in self.packages)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ViewPart:
+    """Triangles of one link that have one color.
+
+    A corner is three numbers, x, y, z: `low` + `step` × the number is its position in the world.
+    Arrays are little-endian, in base64.
+    """
+
+    entity: str
+    link: str
+    rgba: tuple[float, float, float, float]  # 0 to 1
+    is_round: bool = False  # to be shaded smoothly
+    is_robot: bool = True  # not a static model of the world
+    low: tuple[float, float, float]  # m
+    step: tuple[float, float, float]  # m
+    corners: str  # uint16
+    triangles: str  # three numbers of corners each: uint16, or uint32 if there are more corners
+    has_wide_numbers: bool = False  # uint32
+
+
+@dataclass(frozen=True, kw_only=True)
+class SceneView:
+    """The robots at the end of the simulation, before their behaviors."""
+
+    picture: str | None = None  # WebP, in base64
+    picture_tile: float | None = None  # m, edge of a square of the ground in the picture
+    world_picture: str | None = None  # likewise of all that is around, if there is more
+    parts: tuple[ViewPart, ...] = ()
+    has_ground: bool = True
+    tile: float = 1.0  # m, edge of a square of the ground that fits the robots
+    triangles: int = 0  # of all parts
+    triangles_before: int = 0  # before they were simplified
+    problem: str | None = None  # why something of it is missing; goes on after "Cannot draw it:"
+
+
+MANY = 3  # so many are one
+NAMED = 3  # of the others in the message
+# What is quoted, addresses, paths.
+NAMES = lazy_pattern(r"`[^`]*`|\b\w+://[^\s`']+|(?<!\w)'[^']*'(?!\w)|(?<=[\s(])/[^\s)]+")
+NAMED_IN = lazy_pattern(r"@name='([^']*)'")
+QUOTES = "`'"
+NUMBERS = lazy_pattern(r"\d+(\.\d+)?(e[+-]?\d+)?")
+
+
+class _Cause(NamedTuple):
+    """What diagnostics of one cause have in common."""
+
+    code: str
+    severity: str
+    file: str
+    message: str
+    hint: str
+
+
+def summed_up(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """The diagnostics, of several that differ only in names and numbers the first, with the names.
+
+    They have one rule, severity and file, and the same hint except for what the message names.
+    What is reported twice in the same words stays once.
+    """
+    different = dict.fromkeys(diagnostics)
+    groups: dict[_Cause, list[Diagnostic]] = {}
+    for found in different:
+        groups.setdefault(_cause_of(found), []).append(found)
+    reported: dict[Diagnostic, Diagnostic | None] = {}  # None: a part of another one
+    for group in groups.values():
+        if len(group) >= MANY:
+            reported |= {**dict.fromkeys(group), group[0]: _with_names(group)}
+    kept = (reported.get(found, found) for found in different)
+    return tuple(found for found in kept if found is not None)
+
+
+def _cause_of(found: Diagnostic) -> _Cause:
+    hint = found.hint or ""
+    for name in _names(found.message):
+        hint = hint.replace(name.strip(QUOTES), "…")
+    message = NUMBERS.sub("0", NAMES.sub("…", found.message))
+    return _Cause(found.code, found.severity.value, str(found.file), message, hint)
+
+
+def _names(message: str) -> list[str]:
+    return [match.group() for match in NAMES.finditer(message)]
+
+
+def _with_names(group: Sequence[Diagnostic]) -> Diagnostic:
+    """The first, with what distinguishes the others from it."""
+    labels: dict[str, str] = {}
+    for name, found in zip(_distinguishing(group), group, strict=True):
+        line = f"line {found.line}" if found.line else ""
+        labels.setdefault(name or line, f"{name} ({line})" if name and line else name or line)
+    others = list(labels.values())[1:]
+    if not others:
+        return group[0]
+    more = f" and {len(others) - NAMED} more" if len(others) > NAMED else ""
+    same = f"The same holds for {', '.join(others[:NAMED])}{more}."
+    return replace(group[0], message=f"{group[0].message} {same}")
+
+
+def _distinguishing(group: Sequence[Diagnostic]) -> Sequence[str]:
+    """The first name in the message or the element that distinguishes them; or the element."""
+    of_each = ((*_names(found.message), *NAMED_IN.findall(found.element or "")) for found in group)
+    columns = zip(*of_each)  # noqa: B905  elements may be nested differently
+    important = next((column for column in columns if len(set(column)) > 1), None)
+    if important is not None:
+        return [f"`{name.strip(QUOTES)}`" for name in important]
+    is_element = len({found.element for found in group}) > 1
+    return [f"`{found.element}`" if is_element else "" for found in group]

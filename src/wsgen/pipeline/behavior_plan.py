@@ -25,8 +25,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.behavior import Behavior, LiveMeasurement
-    from wsgen.model.time_series import TimeSeries
+    from wsgen.model.behavior import Behavior, LiveMeasurement, TimeSeries
     from wsgen.packages.workspace.settings import Settings
     from wsgen.pipeline.prepare import PreparedRobot
     from wsgen.simulation.scene import RobotRun

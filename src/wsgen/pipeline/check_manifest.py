@@ -17,7 +17,6 @@ from wsgen.checks.rules.package_uses import (
 from wsgen.checks.rules.simulators import misplaced_spawners
 from wsgen.launching.simulators import simulator_kinds
 from wsgen.packages.source_shares import INDEX
-from wsgen.packages.workspace.build_types import check_build_type
 from wsgen.packages.workspace.package_uses import (
     LAUNCH,
     PackageUse,
@@ -26,6 +25,7 @@ from wsgen.packages.workspace.package_uses import (
     read_uses,
     unmentioned,
 )
+from wsgen.packages.workspace.package_xml import check_build_type
 from wsgen.text.files import real_path
 
 if TYPE_CHECKING:

@@ -159,7 +159,7 @@ def _choose_maintainer(name: str | None, email: str | None) -> tuple[Maintainer,
     if name is not None and email is not None:
         return make_maintainer(name, email), False
     # Only here: it starts git, for which it loads `subprocess`.
-    from wsgen.templating.maintainer import UNKNOWN_DOMAIN, find_maintainer  # noqa: PLC0415
+    from wsgen.templating.spec import UNKNOWN_DOMAIN, find_maintainer  # noqa: PLC0415
 
     maintainer = find_maintainer(name, email)
     return maintainer, email is None and maintainer.email.endswith(f"@{UNKNOWN_DOMAIN}")
@@ -169,7 +169,7 @@ def _workflow_files(service: str | None, target: Target) -> RenderedTree:
     """The workflow for a service, if one is wanted."""
     if service is None:
         return {}
-    from wsgen.templating.workflows import render_workflow  # noqa: PLC0415  rarely wanted
+    from wsgen.templating.render import render_workflow  # noqa: PLC0415  rarely wanted
 
     return render_workflow(service, target)
 

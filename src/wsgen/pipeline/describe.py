@@ -12,7 +12,7 @@ from wsgen.descriptions.xacro.source import written_elements
 from wsgen.diagnostics import has_errors
 from wsgen.errors import RequestError
 from wsgen.isolation import parent
-from wsgen.model.alike import summed_up
+from wsgen.model.outcome import summed_up
 from wsgen.model.robot import Mesh
 from wsgen.packages.workspace.overlay import open_overlay
 from wsgen.packages.workspace.robot_files import find_robot_files

@@ -18,8 +18,7 @@ from wsgen.checks.rules.install_consequences import fold_not_installed
 from wsgen.checks.rules.suppressions import suppress
 from wsgen.diagnostics import has_errors, worst_of_each
 from wsgen.errors import NotFoundError, RequestError
-from wsgen.packages.workspace.allowances import find_comments, read_comments
-from wsgen.packages.workspace.settings import read_settings
+from wsgen.packages.workspace.settings import find_comments, read_comments, read_settings
 from wsgen.pipeline.baseline import divide_known, load_baseline
 from wsgen.text.files import real_path
 from wsgen.text.suggestions import ask_for_nearest
@@ -29,8 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping, Sequence
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.packages.workspace.allowances import Allowance
-    from wsgen.packages.workspace.settings import Settings
+    from wsgen.packages.workspace.settings import Allowance, Settings
     from wsgen.pipeline.check import CheckOutcome
 
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.building.request import refuse_empty
+from wsgen.building.colcon import refuse_empty
 from wsgen.diagnostics import Rule, Severity
 from wsgen.errors import RequestError
 from wsgen.isolation import parent

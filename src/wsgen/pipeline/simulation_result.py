@@ -13,8 +13,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.outcome import RobotOutcome
-    from wsgen.model.scene_view import SceneView
+    from wsgen.model.outcome import RobotOutcome, SceneView
     from wsgen.pipeline.clock import Step
     from wsgen.pipeline.requests import ValidateRequest
 

@@ -15,8 +15,7 @@ from wsgen.errors import NotFoundError, NotReadableError, RequestError
 from wsgen.events import OneAtATime
 from wsgen.isolation import parent
 from wsgen.launching.launch_warnings import UNUSED_ARGUMENT, UNUSED_XACRO_ARGUMENT
-from wsgen.model.alike import summed_up
-from wsgen.model.outcome import Outcome, PackageOutcome
+from wsgen.model.outcome import Outcome, PackageOutcome, summed_up
 from wsgen.packages.build_files.cmake_checks import MISSING_AMENT_PACKAGE
 from wsgen.packages.workspace.layout import Workspace, find_packages, workspace_around
 from wsgen.packages.workspace.overlay import Overlay, open_overlay, overlay_of

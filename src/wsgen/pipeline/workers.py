@@ -16,7 +16,7 @@ from multiprocessing.connection import Connection, Pipe, wait
 from typing import TYPE_CHECKING, NamedTuple, NoReturn, TypeVar
 
 from wsgen.events import post
-from wsgen.isolation.parent_death import end_with_parent
+from wsgen.isolation.system import end_with_parent
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

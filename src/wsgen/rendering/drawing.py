@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from wsgen.errors import WsgenError
 from wsgen.isolation.child import announce
-from wsgen.model.scene_view import SceneView
+from wsgen.model.outcome import SceneView
 from wsgen.rendering.recording import Recorder, why_no_video
 from wsgen.rendering.render_items import subjects
 from wsgen.simulation.scene import DRAWING, RECORDING, NotDrawn, Picture

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wsgen.model.scene_view import SceneView
+from wsgen.model.outcome import SceneView
 from wsgen.model.world import SUN_DIRECTION
 from wsgen.rendering.backdrop import Backdrop, tile_for
 from wsgen.rendering.camera import FROM, Size, extent, eye_camera, sun_view

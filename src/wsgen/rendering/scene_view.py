@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from wsgen.model.outcome import ViewPart
 from wsgen.model.robot import Box, Mesh
-from wsgen.model.scene_view import ViewPart
 from wsgen.rendering.simplify import Triangles, merge, simplify
 from wsgen.rendering.surfaces import surface_of
 

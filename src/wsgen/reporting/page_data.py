@@ -20,10 +20,8 @@ from wsgen.model.robot import JointType
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
-    from wsgen.model.behavior import Task
-    from wsgen.model.outcome import PackageOutcome, RobotOutcome
-    from wsgen.model.scene_view import SceneView
-    from wsgen.model.time_series import TimeSeries
+    from wsgen.model.behavior import Task, TimeSeries
+    from wsgen.model.outcome import PackageOutcome, RobotOutcome, SceneView
 
 
 LEVELS = 65535  # of a number between the least and the greatest of its column

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wsgen.model.time_series import TimeSeries
+from wsgen.model.behavior import TimeSeries
 from wsgen.model.transform import multiply, rotation_of_quaternion, transpose
 from wsgen.simulation.odometer import heading_of
 from wsgen.simulation.simulate import is_finite

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 from wsgen.checks.rules.catalogue import without_allowed
 from wsgen.diagnostics import Severity, has_errors
 from wsgen.isolation.codec import decode
-from wsgen.isolation.in_process import run_here
+from wsgen.isolation.parent import run_here
 from wsgen.isolation.result import Answered, Died
-from wsgen.model.alike import summed_up
+from wsgen.model.outcome import summed_up
 from wsgen.model.sweep import Row
 from wsgen.pipeline.requests import ValidateRequest
 from wsgen.pipeline.run_robots import simulate_robots

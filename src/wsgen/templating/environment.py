@@ -24,13 +24,14 @@ from jinja2.sandbox import ImmutableSandboxedEnvironment
 
 from wsgen import __version__
 from wsgen.templating.sources import SHIPPED, SourceError, read_source
-from wsgen.templating.text import markdown_text, toml_string, toml_value, xml_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
     from types import CodeType
 
     from jinja2.bccache import Bucket
+
+    from wsgen.model.package import Answer
 
 
 # Of one compiled template: the checksum of its source, and its code.
@@ -240,3 +241,36 @@ def syntax_place(error: Exception) -> tuple[Path | None, int | None]:
     if isinstance(error, jinja2.TemplateSyntaxError) and error.filename:
         return Path(error.filename), error.lineno
     return None, None
+
+
+# Characters that are special in Markdown; the second group at the start of a paragraph.
+_MARKDOWN = str.maketrans({character: f"\\{character}" for character in "\\`*_[]<>&|#~"})
+_MARKDOWN_LIST = ("-", "+", "=", *(f"{digit}{sign}" for digit in "0123456789" for sign in ".)"))
+
+
+def xml_text(text: str) -> str:
+    """Escape text between tags."""
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+
+
+def toml_string(text: str) -> str:
+    """Write a basic string with its quotes."""
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+    return f'"{escaped}"'
+
+
+def toml_value(value: Answer) -> str:
+    """Write a number, `true` or `false`, or a string with its quotes."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return toml_string(value) if isinstance(value, str) else repr(value)
+
+
+def markdown_text(text: str) -> str:
+    """Escape a paragraph that shows the text as it is."""
+    line = " ".join(text.split()).translate(_MARKDOWN)
+    # A digit and its sign would begin a numbered list; escaping the sign prevents it.
+    if line.startswith(_MARKDOWN_LIST):
+        sign = 1 if line[0].isdigit() else 0
+        line = f"{line[:sign]}\\{line[sign:]}"
+    return line

@@ -1,17 +1,22 @@
-"""Make a PackageSpec from a request: check its names, answers, license and maintainer."""
+"""Make a PackageSpec from a request: check its names, answers, license and maintainer.
+
+Text of users goes only into package.xml, wsgen.toml, README.md and the license. All other files get
+checked names and numbers. A maintainer whom the request does not name is that of git, or the login.
+"""
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from wsgen.errors import RequestError
 from wsgen.model.package import Maintainer, PackageSpec, check_package_name, suggest_package_name
 from wsgen.templating.sources import templates_folder
-from wsgen.templating.text import check_description, check_maintainer_email, check_maintainer_name
 from wsgen.templating.variables import resolve_answers
+from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
     from wsgen.model.target import Target
     from wsgen.templating.template import Template
@@ -19,6 +24,22 @@ if TYPE_CHECKING:
 
 _FOLDER = "base/licenses"
 _ENDING = ".txt.j2"
+# First and last of each range of characters in XML 1.0, without the control characters and the line
+# ends of Unicode that break TOML, Python or a terminal.
+_USABLE = (
+    ("\t", "\n"),
+    (" ", "~"),
+    ("\xa0", "\u2027"),
+    ("\u202a", "\ud7ff"),
+    ("\ue000", "\ufffd"),
+    ("\U00010000", "\U0010ffff"),
+)
+# ament_cmake writes the maintainer into a quoted CMake string as it is.
+_BREAKS_CMAKE = ('"', "\\", "${", "$ENV{", "$CACHE{")
+# EmailType of package_common.xsd.
+_EMAIL = lazy_pattern(
+    r"[-\w%+]+(\.[-\w%+]+)*@[-a-z0-9%]+(\.[-a-z0-9%]+)*\.[a-z]{2,}", re.ASCII | re.IGNORECASE
+)
 
 
 def license_names() -> list[str]:
@@ -42,15 +63,6 @@ def find_license(name: str) -> str:
         hint=f"Use --license {' or '.join(known)}; for another one change the file LICENSE and the"
         " <license> of package.xml afterwards.",
     )
-
-
-def make_maintainer(name: str, email: str) -> Maintainer:
-    """Check name and address.
-
-    Raises:
-        RequestError: one of them is not valid in package.xml.
-    """
-    return Maintainer(name=check_maintainer_name(name), email=check_maintainer_email(email))
 
 
 def make_spec(  # noqa: PLR0913  the words of the request, all by keyword
@@ -108,3 +120,131 @@ def _check_name(name: str, dependencies: Mapping[str, tuple[str, ...]]) -> None:
     raise RequestError(
         f"The package name {shown!r} {broken}.", hint=f"Use for example {suggestion}"
     )
+
+
+def check_description(text: str) -> str:
+    """Check a description of one or more lines, and strip it.
+
+    Raises:
+        RequestError: it is empty or has characters that package.xml cannot hold.
+    """
+    text = text.replace("\r\n", "\n").strip()
+    if not text:
+        raise RequestError(
+            "The description is empty; package.xml requires one.",
+            hint="Describe in a sentence what the package is for, or omit --description.",
+        )
+    _check_characters("description", text)
+    return text
+
+
+def check_maintainer_name(text: str) -> str:
+    """Check a name on one line that package.xml and CMake can hold, and strip it.
+
+    Raises:
+        RequestError: it is invalid.
+    """
+    text = text.strip()
+    if not text or "\n" in text or "\t" in text:
+        raise RequestError(
+            "The maintainer's name is empty or has several lines.",
+            hint="Use --maintainer-name 'First Last'.",
+        )
+    _check_characters("maintainer's name", text)
+    broken = [sign for sign in _BREAKS_CMAKE if sign in text]
+    if broken:
+        raise RequestError(
+            f"The maintainer's name contains {broken[0]}, which breaks the string of CMake into"
+            " which ament_cmake copies the name.",
+            hint="Use a --maintainer-name without double quotes, backslashes and ${.",
+        )
+    return text
+
+
+def check_maintainer_email(text: str) -> str:
+    """Check an address against the schema of package.xml.
+
+    Raises:
+        RequestError: it is invalid.
+    """
+    if not _EMAIL.fullmatch(text):
+        raise RequestError(
+            f"{text!r} is not a valid e-mail address in package.xml.",
+            hint="Use --maintainer-email name@example.com, in ASCII letters.",
+        )
+    return text
+
+
+def _check_characters(what: str, text: str) -> None:
+    for character in text:
+        if not any(first <= character <= last for first, last in _USABLE):
+            raise RequestError(
+                f"The {what} contains the character U+{ord(character):04X}, which package.xml"
+                " cannot hold.",
+                hint="Remove it: control characters and bytes that are not UTF-8 are invalid.",
+            )
+
+
+def make_maintainer(name: str, email: str) -> Maintainer:
+    """Check name and address.
+
+    Raises:
+        RequestError: one of them is not valid in package.xml.
+    """
+    return Maintainer(name=check_maintainer_name(name), email=check_maintainer_email(email))
+
+
+# What `ros2 pkg create` writes for an unknown address.
+UNKNOWN_DOMAIN = "todo.todo"
+GIT_TIMEOUT = 5.0  # s; git answers in milliseconds unless its files lie on a dead network disk
+
+
+def find_maintainer(name: str | None, email: str | None) -> Maintainer:
+    """Return the given name and address, or else those of git, or else of the login.
+
+    Values of git that package.xml cannot hold are ignored.
+
+    Raises:
+        RequestError: a given name or address is not valid in package.xml.
+    """
+    known = _ask_git()
+    login = _login()
+    if name is None:
+        name = _usable(known.get("user.name"), check_maintainer_name) or login
+    if email is None:
+        email = _usable(known.get("user.email"), check_maintainer_email)
+    return make_maintainer(name, email or f"{login}@{UNKNOWN_DOMAIN}")
+
+
+def _usable(text: str | None, check: Callable[[str], str]) -> str | None:
+    try:
+        return None if text is None else check(text)
+    except RequestError:
+        return None
+
+
+def _ask_git() -> Mapping[str, str]:
+    """Read user.name and user.email with git itself, which knows its includes and scopes."""
+    import subprocess  # noqa: PLC0415  who names the maintainer pays nothing
+
+    command = ("git", "config", "--null", "--get-regexp", r"^user\.(name|email)$")
+    try:
+        answer = subprocess.run(  # noqa: PLW1510  1 means that nothing is set
+            command, stdin=subprocess.DEVNULL, capture_output=True, timeout=GIT_TIMEOUT
+        )
+    except (OSError, subprocess.SubprocessError):
+        return {}
+    records = answer.stdout.decode("utf-8", "replace").split("\0")
+    # A key, a line end, the value; of several values the last one counts.
+    return dict(record.split("\n", 1) for record in records if "\n" in record)
+
+
+def _login() -> str:
+    """Return the login's name, without characters that are invalid before the @ of an address."""
+    import getpass  # noqa: PLC0415  as above
+
+    try:
+        name = getpass.getuser()
+    except (ImportError, KeyError, OSError):  # a container that runs under a number
+        name = ""
+    return re.sub(r"[^A-Za-z0-9_-]", "", name) or "user"

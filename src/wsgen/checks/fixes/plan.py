@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 from wsgen.checks.fixes.manifests import DEPENDENCY
 from wsgen.checks.fixes.registry import FIXERS, file_to_fix
 from wsgen.checks.fixes.source import apply, overlap, read_source
-from wsgen.packages.workspace.dependency_ways import way_between
 from wsgen.packages.workspace.layout import (
     INSTALL_LAYOUT,
     find_packages,
     read_package,
     workspace_around,
 )
+from wsgen.packages.workspace.manifest import way_between
 from wsgen.text.files import write_file
 from wsgen.text.values import dataclass
 

@@ -122,7 +122,7 @@ MODULES = (
     "wsgen.descriptions.urdf.reader",
     "wsgen.descriptions.urdf.sensors",
     "wsgen.descriptions.urdf.structure",
-    "wsgen.packages.workspace.build_types",
+    "wsgen.packages.workspace.package_xml",
     "wsgen.packages.workspace.manifest",
     "wsgen.packages.workspace.overlay",
     "wsgen.packages.workspace.package_xml",

@@ -19,8 +19,7 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.launching.other_places import PlaceInPackage
-    from wsgen.model.control import ControlSystem
-    from wsgen.model.robot import Joint, Plugin
+    from wsgen.model.robot import ControlSystem, Joint, Plugin
     from wsgen.text import yamlfile
 
 

@@ -6,8 +6,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
-from wsgen.packages.workspace.dependency_ways import way_between
-from wsgen.packages.workspace.manifest import TEST_TAGS
+from wsgen.packages.workspace.manifest import TEST_TAGS, way_between
 from wsgen.ros.names import cmake_packages, released_packages, rosdep_keys
 from wsgen.text.suggestions import did_you_mean, misspelled_as, some_of
 

@@ -20,8 +20,14 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.control import ControlledPart, ControlSystem, Transmission
-    from wsgen.model.robot import GazeboTag, Joint, Plugin
+    from wsgen.model.robot import (
+        ControlledPart,
+        ControlSystem,
+        GazeboTag,
+        Joint,
+        Plugin,
+        Transmission,
+    )
 
 
 KINDS = ("system", "actuator", "sensor")

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Sequence
     from pathlib import Path
 
-    from wsgen.packages.workspace.allowances import Allowance
+    from wsgen.packages.workspace.settings import Allowance
 
 
 ALLOWED_WITHOUT_REASON = Rule(

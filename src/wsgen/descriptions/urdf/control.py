@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wsgen.descriptions.urdf.values import line_of
-from wsgen.model.control import ControlledPart, ControlSystem, Transmission
+from wsgen.model.robot import ControlledPart, ControlSystem, Transmission
 from wsgen.text.xmltree import child_text, children
 
 if TYPE_CHECKING:

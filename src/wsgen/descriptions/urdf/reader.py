@@ -41,8 +41,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.control import ControlSystem
-    from wsgen.model.robot import GazeboTag
+    from wsgen.model.robot import ControlSystem, GazeboTag
     from wsgen.text.xmltree import Element
 
 

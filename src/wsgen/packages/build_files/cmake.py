@@ -9,15 +9,17 @@ import os
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.packages.build_files import cmake_commands, cmake_regex
-from wsgen.packages.build_files.cmake_calls import InstallRule, Mention
-from wsgen.packages.build_files.cmake_keywords import KEYWORDS, meant_keyword
 from wsgen.packages.build_files.cmake_text import (
     BRACKET,
+    KEYWORDS,
     QUOTED,
     UNQUOTED,
     Argument,
     Call,
+    InstallRule,
+    Mention,
     SyntaxMistake,
+    meant_keyword,
     open_block,
     parse,
     read_text,

@@ -7,12 +7,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
-from wsgen.packages.build_files.cmake_calls import Mention, texts
 from wsgen.packages.build_files.cmake_commands import COMMANDS as EVALUATED
 from wsgen.packages.build_files.cmake_commands import is_harmless
 from wsgen.packages.build_files.cmake_install import meant_form
-from wsgen.packages.build_files.cmake_keywords import word_keyword
-from wsgen.packages.build_files.cmake_text import BRACKET
+from wsgen.packages.build_files.cmake_text import BRACKET, Mention, texts, word_keyword
 from wsgen.packages.build_files.cmake_values import is_known, version
 from wsgen.text.suggestions import ask_for_nearest, did_you_mean, nearest
 from wsgen.text.values import lazy_pattern

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING
 
 from wsgen.model.build_facts import RequiredPackage, Target
 from wsgen.packages.build_files import cmake_install, cmake_regex
-from wsgen.packages.build_files.cmake_calls import texts
+from wsgen.packages.build_files.cmake_text import texts
 from wsgen.packages.build_files.cmake_values import BUILD, UNKNOWN, is_known, split_list, version
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from wsgen.packages.build_files.cmake import Reader
-    from wsgen.packages.build_files.cmake_calls import Mention
+    from wsgen.packages.build_files.cmake_text import Mention
 
 
 # Variables.

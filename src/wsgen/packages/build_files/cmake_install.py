@@ -9,8 +9,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.packages.build_files.cmake_calls import InstallRule, sections
-from wsgen.packages.build_files.cmake_text import UNQUOTED, Argument, read_text
+from wsgen.packages.build_files.cmake_text import (
+    UNQUOTED,
+    Argument,
+    InstallRule,
+    read_text,
+    sections,
+)
 from wsgen.packages.build_files.cmake_values import BUILD, PREFIX, UNKNOWN, is_known
 from wsgen.text.suggestions import nearest
 from wsgen.text.values import lazy_pattern
@@ -19,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from wsgen.packages.build_files.cmake import Reader
-    from wsgen.packages.build_files.cmake_calls import Mention
+    from wsgen.packages.build_files.cmake_text import Mention
 
 
 # cmake-install(1): where a TYPE goes without GNUInstallDirs -> its variable.

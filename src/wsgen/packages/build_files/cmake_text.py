@@ -1,14 +1,21 @@
-"""Read the commands in a CMakeLists.txt, as CMake's lexer does."""
+"""Read the commands in a CMakeLists.txt, as CMake's lexer does.
+
+Also what the others keep of a call, and the keywords of commands of CMake and ament, with the one
+that a misspelled word means.
+"""
 
 from __future__ import annotations
 
+import os
 import re
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.text.files import read_regular
+from wsgen.text.suggestions import misspelled_as
 from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
+    from collections.abc import Collection, Sequence
     from pathlib import Path
 
 
@@ -230,3 +237,101 @@ def _find_open_quote(text: str) -> int | None:
         if not match[0].endswith('"', 1) or (line_break and first_line.rstrip().endswith(")")):
             return text.count("\n", 0, match.start()) + 1
     return None
+
+
+_VISIBILITY = ("PUBLIC", "PRIVATE", "INTERFACE")
+KEYWORDS: dict[str, Sequence[str]] = {
+    "add_library": (
+        *("SHARED", "STATIC", "MODULE", "OBJECT", "INTERFACE", "ALIAS", "IMPORTED"),
+        "EXCLUDE_FROM_ALL",
+    ),
+    "ament_auto_package": ("INSTALL_TO_PATH", "INSTALL_TO_SHARE"),
+    "find_package": (
+        *("REQUIRED", "COMPONENTS", "OPTIONAL_COMPONENTS", "QUIET", "CONFIG", "EXACT", "MODULE"),
+        *("NAMES", "PATHS", "HINTS", "NO_MODULE", "NO_DEFAULT_PATH"),
+    ),
+    "install": (
+        *("TARGETS", "FILES", "PROGRAMS", "DIRECTORY", "SCRIPT", "CODE", "EXPORT", "TYPE"),
+        *("DESTINATION", "COMPONENT", "CONFIGURATIONS", "PERMISSIONS", "FILE_PERMISSIONS"),
+        *("DIRECTORY_PERMISSIONS", "USE_SOURCE_PERMISSIONS", "OPTIONAL", "PATTERN", "REGEX"),
+        *("EXCLUDE", "EXCLUDE_FROM_ALL", "FILES_MATCHING", "MESSAGE_NEVER", "RENAME"),
+        *("ARCHIVE", "LIBRARY", "RUNTIME", "OBJECTS", "INCLUDES", "NAMESPACE", "FILE"),
+        *("PUBLIC_HEADER", "PRIVATE_HEADER", "RESOURCE", "FRAMEWORK", "BUNDLE", "FILE_SET"),
+    ),
+    "project": ("VERSION", "LANGUAGES", "DESCRIPTION", "HOMEPAGE_URL"),
+    "rosidl_generate_interfaces": ("DEPENDENCIES", "LIBRARY_NAME", "SKIP_INSTALL"),
+    "target_include_directories": (*_VISIBILITY, "SYSTEM", "BEFORE", "AFTER"),
+    "target_link_libraries": _VISIBILITY,
+}
+_WORD = lazy_pattern(r"[A-Z][A-Z_]{3,}")
+
+
+def meant_keyword(command: str, word: str, *, folders: Collection[str] = ()) -> str | None:
+    """The keyword that an unquoted word of a call surely means; None if it is one or none.
+
+    A name in one of the folders, which paths are relative to, is none.
+    """
+    known = KEYWORDS.get(command, ())
+    if word in known or not known or not _WORD.fullmatch(word):
+        return None
+    if any(os.path.lexists(os.path.join(folder, word)) for folder in folders):
+        return None
+    return misspelled_as(word, known)
+
+
+def word_keyword(command: str, word: str) -> str:
+    """Say that CMake does not know the word."""
+    return f"{command}() has no keyword {word}."
+
+
+class InstallRule(NamedTuple):
+    """A call of install(), or of a command that calls it."""
+
+    kind: str  # DIRECTORY, FILES, PROGRAMS, TARGETS, ...
+    names: tuple[tuple[Argument, str], ...]  # each as it is written, and its path or name
+    destination: str | None  # relative to the prefix; None: it has none
+    place: Argument | None  # the argument with the destination
+    file: Path
+    call: Call
+    folder: Path  # that paths are relative to
+    is_certain: bool  # no condition around it is unknown
+    in_tests: bool
+    is_optional: bool = False
+    rename: str = ""
+    # PATTERN or REGEX, its text, and whether it excludes.
+    patterns: tuple[tuple[str, str, bool], ...] = ()
+    matching_only: bool = False  # FILES_MATCHING
+    # Which files can be run: "all", "none", or those that can in the source: "source".
+    runnable: str = "none"
+
+
+class Mention(NamedTuple):
+    """A call that a check looks at."""
+
+    call: Call
+    arguments: tuple[Argument, ...]  # expanded
+    file: Path
+    is_certain: bool
+    in_tests: bool
+    folder: Path  # that paths are relative to
+    order: int  # grows from call to call
+
+
+def texts(mention: Mention) -> list[str]:
+    """The arguments of a call as texts."""
+    return [argument.text for argument in mention.arguments]
+
+
+def sections(
+    words: Sequence[Argument], keywords: Collection[str]
+) -> tuple[list[Argument], dict[str, list[Argument]]]:
+    """The arguments before the first keyword, and those after each."""
+    first: list[Argument] = []
+    found: dict[str, list[Argument]] = {}
+    current = first
+    for word in words:
+        if word.text in keywords:
+            current = found.setdefault(word.text, [])
+        else:
+            current.append(word)
+    return first, found

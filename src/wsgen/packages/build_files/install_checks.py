@@ -16,7 +16,7 @@ from wsgen.packages.build_files.cmake_checks import (
 )
 from wsgen.packages.build_files.cmake_install import relative_destination
 from wsgen.packages.build_files.cmake_values import is_known
-from wsgen.packages.build_files.elsewhere import find_elsewhere
+from wsgen.packages.source_shares import may_have_sources
 from wsgen.text.files import read_regular
 from wsgen.text.suggestions import ask_for_nearest, did_you_mean, nearest, some_of
 from wsgen.text.values import lazy_pattern
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.build_facts import BuildFacts, Executable, Target
     from wsgen.packages.build_files.cmake import Reader
-    from wsgen.packages.build_files.cmake_calls import InstallRule
+    from wsgen.packages.build_files.cmake_text import InstallRule
 
 
 UNINSTALLED_LAUNCH_FILE = Rule(
@@ -818,3 +818,13 @@ def _is_program(file: Path) -> bool:
         return read_regular(file, 1) == b"#!"
     except (OSError, ValueError):
         return False
+
+
+def find_elsewhere(source: Path, name: str, *, is_folder: bool = False) -> str | None:
+    """The only path with this name in a package, relative to its folder."""
+    found = []
+    for folder, folders, files in os.walk(source):
+        folders[:] = filter(may_have_sources, folders)
+        if name in (folders if is_folder else files):
+            found.append(os.path.relpath(os.path.join(folder, name), source))
+    return found[0] if len(found) == 1 else None

@@ -10,10 +10,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
-from wsgen.packages.build_files.elsewhere import find_elsewhere
 from wsgen.packages.build_files.install_checks import (
     RESOURCES,
     WRONG_DESTINATION,
+    find_elsewhere,
     find_resources,
     is_misplaced,
     uninstalled_folders,

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.model.build_facts import BuildFacts, Executable, InstalledFile, PythonPackage
-from wsgen.packages.build_files.installed import MARKER
+from wsgen.packages.build_files.facts import MARKER
 from wsgen.packages.build_files.python_checks import check_setup
 from wsgen.packages.build_files.python_setup import CONSOLE_SCRIPTS, Setup, folder_of, read_setup
 

@@ -423,3 +423,19 @@ class _ExcessError(Exception):
 
 def _refuse_entity(*_declaration: object) -> None:
     raise _EntityError
+
+
+def way_between(
+    start: str, end: str, needed: Callable[[str], Collection[str]]
+) -> tuple[str, ...] | None:
+    """The shortest way from a package to one that it needs, itself or by others; both included."""
+    ways: dict[str, tuple[str, ...]] = {start: (start,)}
+    todo = [start]
+    for name in todo:
+        if name == end:
+            return ways[name]
+        for other in sorted(needed(name)):
+            if other not in ways:
+                ways[other] = (*ways[name], other)
+                todo.append(other)
+    return None
