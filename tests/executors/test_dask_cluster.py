@@ -14,8 +14,7 @@ from executors import calls
 from executors.processes import have_ended, is_alive, wait_for
 from sweeping.blueprints import blueprint, variant
 from wsgen.errors import NotFoundError, RequestError
-from wsgen.sweeping.executors.child import ChildDiedError
-from wsgen.sweeping.executors.local import LocalExecutor
+from wsgen.sweeping.executors.child import ChildDiedError, LocalExecutor
 from wsgen.sweeping.executors.shared import share
 from wsgen.sweeping.runner import run_all
 

@@ -8,7 +8,7 @@ from simulation.robots import GROUND, PLATE, body, single
 from wsgen.model.sweep import Value, Variant
 from wsgen.model.transform import Pose
 from wsgen.pipeline.prepare import PreparedRobot
-from wsgen.sweeping.blueprint import Blueprint
+from wsgen.sweeping.run_variant import Blueprint
 
 if TYPE_CHECKING:
     from wsgen.model.robot import Robot

@@ -14,10 +14,10 @@ from wsgen.model.robot import Sphere
 from wsgen.model.transform import Pose
 from wsgen.model.world import SpawnHeight
 from wsgen.sweeping import parameters
-from wsgen.sweeping.apply import apply
+from wsgen.sweeping.run_variant import apply
 
 if TYPE_CHECKING:
-    from wsgen.sweeping.blueprint import Blueprint
+    from wsgen.sweeping.run_variant import Blueprint
 
 
 def plate_of(made: Blueprint) -> tuple[float, tuple[float, ...], float, float]:

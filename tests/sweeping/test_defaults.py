@@ -9,8 +9,7 @@ from wsgen.errors import RequestError
 from wsgen.model.sweep import Axis, Design, Distribution
 from wsgen.packages.workspace.settings import read_settings
 from wsgen.packages.workspace.sweep_settings import SweepSettings
-from wsgen.sweeping.defaults import make_design_with
-from wsgen.sweeping.words import read_axes, read_distributions
+from wsgen.sweeping.words import make_design_with, read_axes, read_distributions
 
 
 def read(folder: Path) -> SweepSettings:

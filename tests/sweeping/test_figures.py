@@ -8,7 +8,7 @@ from wsgen.model.behavior import Behavior, BehaviorOutcome, Reach
 from wsgen.model.outcome import RobotOutcome
 from wsgen.model.transform import Pose
 from wsgen.pipeline.behavior_plan import BehaviorPlan
-from wsgen.sweeping.figures import columns, figures_of
+from wsgen.sweeping.run_variant import columns, figures_of
 
 
 def test_joints_with_the_name_of_a_column() -> None:

@@ -9,10 +9,9 @@ import pytest
 
 from wsgen.isolation.result import Limits
 from wsgen.model.sweep import Variant
-from wsgen.sweeping import run_apart
-from wsgen.sweeping.executors.local import LocalExecutor
-from wsgen.sweeping.run_apart import Order
-from wsgen.sweeping.runner import run_all
+from wsgen.sweeping import runner
+from wsgen.sweeping.executors.child import LocalExecutor
+from wsgen.sweeping.runner import Order, run_all
 from wsgen.sweeping.subject import SubjectRequest
 from wsgen.sweeping.subjects import open_subject
 
@@ -64,7 +63,7 @@ def test_the_rows_are_the_same(tmp_path: Path, seconds: float) -> None:
         ]
         made.clear()
         found = [
-            *run_apart.run_apart(
+            *runner.run_apart(
                 executor,
                 Order(subject=request, environment=dict(os.environ)),
                 blueprint_of,  # type: ignore[arg-type]

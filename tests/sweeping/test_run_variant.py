@@ -23,8 +23,7 @@ from wsgen.packages.workspace.layout import workspace_around
 from wsgen.pipeline.requests import ValidateRequest
 from wsgen.pipeline.validate import validate
 from wsgen.simulation.run import ENGINE_DIED, missing_engines
-from wsgen.sweeping.figures import columns
-from wsgen.sweeping.run_variant import can_run, row_of_death, row_without_run, run_variant
+from wsgen.sweeping.run_variant import can_run, columns, row_of_death, row_without_run, run_variant
 from wsgen.sweeping.subject import SubjectRequest
 from wsgen.sweeping.subjects import open_subject
 
@@ -32,7 +31,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.model.outcome import PackageOutcome
-    from wsgen.sweeping.blueprint import Blueprint
+    from wsgen.sweeping.run_variant import Blueprint
 
 ENGINES = [name for name in ("bullet", "dart", "mujoco") if not missing_engines([name])]
 

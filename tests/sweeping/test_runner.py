@@ -18,8 +18,7 @@ from wsgen.model.robot import JointType
 from wsgen.model.sweep import Row
 from wsgen.model.transform import Pose
 from wsgen.simulation.run import missing_engines
-from wsgen.sweeping.executors.child import ChildDiedError
-from wsgen.sweeping.executors.local import LocalExecutor
+from wsgen.sweeping.executors.child import ChildDiedError, LocalExecutor
 from wsgen.sweeping.runner import run_all
 
 if TYPE_CHECKING:
@@ -27,8 +26,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.model.sweep import Variant
-    from wsgen.sweeping.blueprint import Blueprint
     from wsgen.sweeping.executors.shared import Shared
+    from wsgen.sweeping.run_variant import Blueprint
 
 
 class Scripted:

@@ -11,7 +11,7 @@ import pytest
 from wsgen.descriptions.sdf.models import read_sdf
 from wsgen.descriptions.urdf.lumping import lump
 from wsgen.descriptions.urdf.reader import read_urdf
-from wsgen.sweeping.scaled import scale_text
+from wsgen.sweeping.worst import scale_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from wsgen.model.outcome import PackageOutcome
-    from wsgen.sweeping.blueprint import Blueprint
+    from wsgen.sweeping.run_variant import Blueprint
     from wsgen.sweeping.subject import Subject
 
 

@@ -22,7 +22,7 @@ import pytest
 from sweeping.row_writer import COLUMNS, SURFACES, header, open_sweep, row, variant
 from wsgen.errors import NotFoundError, NotReadableError, RequestError, WouldOverwriteError
 from wsgen.model.sweep import Column, Row, Variant
-from wsgen.sweeping import journal, parquet
+from wsgen.sweeping import journal, table
 from wsgen.sweeping.table import FORMATS, full_columns, headings, open_table
 from wsgen.sweeping.table_data import read_table
 
@@ -302,7 +302,7 @@ def test_interruptions_do_not_matter(file: Path, tmp_path: Path) -> None:
 
 
 def test_row_groups_of_parquet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(parquet, "ROW_GROUP", 7)
+    monkeypatch.setattr(table, "ROW_GROUP", 7)
     first = write(tmp_path / "first.parquet")
     second = write(tmp_path / "second.parquet", range(12))
     write(second)

@@ -201,10 +201,9 @@ def command(
     from wsgen.cli.words import launch_file_of, split_launch_arguments
     from wsgen.packages.workspace.sweep_settings import SweepSettings
     from wsgen.pipeline.load_scene import BrokenSceneError
-    from wsgen.sweeping.defaults import make_design_with
     from wsgen.sweeping.subject import SubjectRequest
     from wsgen.sweeping.sweep import DEFAULT_SECONDS, SweepRequest, sweep
-    from wsgen.sweeping.words import read_axes, read_distributions
+    from wsgen.sweeping.words import make_design_with, read_axes, read_distributions
     from wsgen.sweeping.worst import read_choice
 
     named = launch_file_of([name or ""], launch_file)

@@ -49,7 +49,7 @@ def open_subject(
 
             yield TemplateSubject(request, environment, folder, run)
         elif request.file is not None:
-            from wsgen.sweeping.file_subject import FileSubject  # noqa: PLC0415
+            from wsgen.sweeping.robot_subjects import FileSubject  # noqa: PLC0415
 
             files = (request.file,)
             check_request(
@@ -63,7 +63,7 @@ def open_subject(
             (overlay,) = overlays_of_files(files, request.workspace, environment, stack)
             yield FileSubject(request.file, request, overlay, folder, run)
         else:
-            from wsgen.sweeping.package_subject import PackageSubject  # noqa: PLC0415
+            from wsgen.sweeping.robot_subjects import PackageSubject  # noqa: PLC0415
 
             workspaces = [] if request.workspace is None else [request.workspace]
             if not workspaces:  # a sourced ROS may have it, and what wsgen knows of ROS

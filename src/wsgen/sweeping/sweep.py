@@ -6,21 +6,20 @@ import math
 import time
 from contextlib import ExitStack, closing
 from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.checks.rules.catalogue import without_allowed
-from wsgen.errors import RequestError
+from wsgen.errors import NotFoundError, RequestError
 from wsgen.model.sweep import Column
 from wsgen.pipeline.engines import check_engines
 from wsgen.pipeline.load_scene import BrokenSceneError
 from wsgen.sweeping.design import Variants
-from wsgen.sweeping.figures import columns
 from wsgen.sweeping.journal import Header
 from wsgen.sweeping.parameters import OWN, PUSH_FORCE, PUSH_SECONDS, subject_values
-from wsgen.sweeping.run_apart import WORTH, Order, run_apart
-from wsgen.sweeping.run_variant import PUSHED_AFTER, can_be_pushed, can_run
-from wsgen.sweeping.runner import limits_of, run_all
+from wsgen.sweeping.run_variant import PUSHED_AFTER, can_be_pushed, can_run, columns
+from wsgen.sweeping.runner import WORTH, Order, limits_of, run_all, run_apart
 from wsgen.sweeping.subjects import open_subject
 from wsgen.sweeping.summary import summarize
 from wsgen.sweeping.table import check_format, open_table
@@ -32,9 +31,9 @@ if TYPE_CHECKING:
 
     from wsgen.events import Listener
     from wsgen.model.sweep import Design, Row, Value, Variant
-    from wsgen.sweeping.blueprint import Blueprint
+    from wsgen.sweeping.executors.child import LocalExecutor
     from wsgen.sweeping.executors.dask_cluster import DaskExecutor
-    from wsgen.sweeping.executors.local import LocalExecutor
+    from wsgen.sweeping.run_variant import Blueprint
     from wsgen.sweeping.runner import RunExecutor
     from wsgen.sweeping.subject import Subject, SubjectRequest
     from wsgen.sweeping.summary import Summary
@@ -380,10 +379,15 @@ def _run(  # noqa: PLR0913  what is run, where, and who hears of it
 
 def _executor(request: SweepRequest) -> LocalExecutor | DaskExecutor:
     """Where the runs are computed."""
-    if request.scheduler is not None:
-        from wsgen.sweeping.executors.scheduler import connect  # noqa: PLC0415  it is seldom wanted
+    if request.scheduler is None:
+        from wsgen.sweeping.executors.child import LocalExecutor  # noqa: PLC0415  as below
 
-        return connect(request.scheduler, jobs=request.jobs)
-    from wsgen.sweeping.executors.local import LocalExecutor  # noqa: PLC0415  as above
+        return LocalExecutor(request.jobs)
+    if find_spec("distributed") is None:
+        raise NotFoundError(
+            "Dask's `distributed`, which --scheduler needs, is not installed.",
+            hint="Install it: pip install 'wsgen[sweep]'; or leave out --scheduler.",
+        )
+    from wsgen.sweeping.executors import dask_cluster  # noqa: PLC0415  an extra, which takes a second
 
-    return LocalExecutor(request.jobs)
+    return dask_cluster.connect(request.scheduler, jobs=request.jobs)

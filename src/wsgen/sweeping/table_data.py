@@ -15,8 +15,15 @@ import numpy as np
 
 from wsgen.errors import NotReadableError
 from wsgen.sweeping.journal import read_known
-from wsgen.sweeping.parquet import read_parquet
-from wsgen.sweeping.table import CODES, DIAGNOSTIC, PASSED, RUN, full_columns, headings
+from wsgen.sweeping.table import (
+    CODES,
+    DIAGNOSTIC,
+    PASSED,
+    RUN,
+    full_columns,
+    headings,
+    read_parquet,
+)
 from wsgen.text.files import refuse_irregular
 from wsgen.text.values import dataclass
 

@@ -15,11 +15,10 @@ from wsgen.packages.workspace.overlay import overlay_of
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
 from wsgen.pipeline.started import start
-from wsgen.sweeping.blueprint import Blueprint
-from wsgen.sweeping.kept_answers import KeptAnswers
-from wsgen.sweeping.package_subject import as_prepared
 from wsgen.sweeping.parameters import Parameter, subject_values, write_value
-from wsgen.sweeping.subject import Prepared, Subject, files_below
+from wsgen.sweeping.robot_subjects import as_prepared
+from wsgen.sweeping.run_variant import Blueprint
+from wsgen.sweeping.subject import KeptAnswers, Prepared, Subject, files_below
 from wsgen.templating.environment import Environment
 from wsgen.templating.render import installed_folders, render_tree
 from wsgen.templating.render_apart import render_tree_apart

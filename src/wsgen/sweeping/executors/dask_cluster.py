@@ -1,7 +1,7 @@
 """Calls computed by the workers of a Dask cluster; no other module imports `distributed`.
 
 Each thread of a worker has an isolated child of its own: engines may crash, and hold the lock of
-the interpreter. Functions, and what is `Shared`, are those of `wsgen.sweeping.executors.local`.
+the interpreter. Functions, and what is `Shared`, are those of `wsgen.sweeping.executors.child`.
 """
 
 from __future__ import annotations
@@ -29,8 +29,7 @@ from wsgen import __version__
 from wsgen.errors import NotFoundError, NotReadableError, RequestError, WsgenError
 from wsgen.isolation.result import DEFAULT_LIMITS, Died, Limits
 from wsgen.sweeping.executors.child import ATTEMPTS, Child, ChildDiedError, name_of
-from wsgen.sweeping.executors.copied_files import CopiedFiles
-from wsgen.sweeping.executors.shared import Shared
+from wsgen.sweeping.executors.shared import CopiedFiles, Shared
 from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
