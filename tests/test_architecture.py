@@ -19,7 +19,7 @@ FOREIGN = {
     "mujoco": "simulation/mujoco_body.py",
     "mcap": "live/nodes/mcap_recording.py",
     "distributed": "sweeping/executors/dask_cluster.py",
-    "av": "rendering/video_encoder.py",
+    "av": "rendering/video.py",
     "pyarrow": "sweeping/table.py",
     "matplotlib": "sweeping/plots.py",
     "scipy": "sweeping/samples.py",

@@ -446,6 +446,6 @@ def test_a_page_about_a_launch_file_with_its_video(
     assert text.count("data:image/gif;base64,") == 1
     assert text.count("data:image/webp;base64,") == 1
     assert not list(tmp_path.glob("*.png"))
-    monkeypatch.setattr("wsgen.reporting.plotly_library.find_spec", lambda _: None)
+    monkeypatch.setattr("wsgen.reporting.page_data.find_spec", lambda _: None)
     code, _, err = launch(capsys, *words, "--play")
     assert (code, "pip install 'wsgen[report]'" in err) == (4, True)

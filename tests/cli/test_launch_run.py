@@ -242,7 +242,7 @@ def test_a_page_that_cannot_be_served_keeps_the_launch_from_starting(
         raise OSError(errno.EADDRINUSE, "Address already in use")
 
     monkeypatch.setattr("wsgen.live.run.run_launch", run_launch)
-    monkeypatch.setattr("wsgen.reporting.viewing.run_page.RunPage", refuse)
+    monkeypatch.setattr("wsgen.reporting.viewing.simulation_page.RunPage", refuse)
     assert run(["launch", str(file), "--run", "--view", "--no-browser"]) == 2
     assert "of 127.0.0.1 is taken." in capsys.readouterr().err
 

@@ -17,9 +17,8 @@ from wsgen.model.world import World
 from wsgen.pipeline.tasks.simulation import simulate
 from wsgen.rendering.render_items import list_render_items
 from wsgen.rendering.renderer import Renderer
-from wsgen.rendering.scene_view import AROUND, View
+from wsgen.rendering.scene_view import AROUND, Triangles, View, merge, simplify
 from wsgen.rendering.scene_view import view_of as surfaces_of
-from wsgen.rendering.simplify import Triangles, merge, simplify
 from wsgen.simulation.engine import State
 from wsgen.simulation.fake import FakeEngine
 from wsgen.simulation.scene import Scene, SpawnedRobot

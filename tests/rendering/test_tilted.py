@@ -12,10 +12,9 @@ from PIL import Image
 from simulation.robots import lattice
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
-from wsgen.rendering.camera import MARGIN, Size, eye_camera
+from wsgen.rendering.camera import MARGIN, Size, TurnedCamera, eye_camera, slope_of
 from wsgen.rendering.picture import ARROW_COLOR, draw_arrow
 from wsgen.rendering.scene_renderer import SceneRenderer
-from wsgen.rendering.tilted import TurnedCamera, slope_of
 from wsgen.simulation.scene import Push, Scene, SpawnedRobot
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.pipeline.check import CheckOutcome
 from wsgen.pipeline.reported import Reported
 from wsgen.reporting.cases import OF_COMPARISON, OF_RUNS, outcome_suites
-from wsgen.reporting.junit import Case, Failure, Suite, render_suites
+from wsgen.reporting.check_formats import Case, Failure, Suite, render_suites
 from wsgen.reporting.markdown import BAR, MOST_LISTED, _text, summarize_check, summarize_outcome
 from wsgen.text.printable import clean
 

@@ -35,10 +35,9 @@ from wsgen.model.plan import Include, LaunchArgument, LaunchPlan, Process, Unres
 from wsgen.model.robot import Box, Inertial, Joint, JointLimit, JointType, Link, Robot, Visual
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
-from wsgen.reporting import plotly_library
+from wsgen.reporting import page_data
 from wsgen.reporting.html_report import mark_code, render_page
-from wsgen.reporting.page_data import LEVELS, Packer, pack_package
-from wsgen.reporting.plotly_library import require_plotly
+from wsgen.reporting.page_data import LEVELS, Packer, pack_package, require_plotly
 from wsgen.text.printable import clean
 
 HOSTILE = "</script><script>alert(1)</script><!-- \"q\" 'a' &amp; \x00\x07\x7f \udce9 \u202e <b>ü漢"
@@ -192,7 +191,7 @@ def _small_library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A library that takes no time: `test_page_in_chromium.py` has the real one."""
     file = tmp_path / "plotly.min.js"
     file.write_text("/** plotly.js v4.1.1 */ '</script>'")
-    monkeypatch.setattr(plotly_library, "_find", lambda: file)
+    monkeypatch.setattr(page_data, "_find", lambda: file)
 
 
 def page_of(outcome: Outcome) -> str:
@@ -337,7 +336,7 @@ def test_an_interrupted_run_says_so() -> None:
 
 def test_a_page_without_plots_has_no_library(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
-    monkeypatch.setattr(plotly_library, "find_spec", lambda _: None)
+    monkeypatch.setattr(page_data, "find_spec", lambda _: None)
     assert len(page_of(Outcome(packages=(FAILED,)))) < 100_000
     with pytest.raises(NotFoundError) as caught:
         require_plotly()

@@ -27,7 +27,7 @@ from sweeping.tables import (
 )
 from wsgen.errors import NotFoundError, RequestError
 from wsgen.model.sweep import Column
-from wsgen.reporting import plotly_library
+from wsgen.reporting import page_data
 from wsgen.reporting.sweep_plot import check_plot, render_plot, render_sweep_page
 from wsgen.sweeping.chart import Chart, make_chart
 from wsgen.sweeping.plots import draw_png
@@ -373,7 +373,7 @@ def test_without_the_libraries(monkeypatch: pytest.MonkeyPatch) -> None:
         return real(name, *arguments, **keywords)
 
     monkeypatch.setattr(builtins, "__import__", refuse)
-    monkeypatch.setattr(plotly_library, "_find", lambda: None)
+    monkeypatch.setattr(page_data, "_find", lambda: None)
     for name in ("plot.png", "plot.html"):
         with pytest.raises(NotFoundError) as raised:
             check_plot(Path(name))

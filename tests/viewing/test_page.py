@@ -105,7 +105,7 @@ def test_the_page_of_a_run_goes_along_with_the_robots() -> None:
     from viewing.test_play import BOX  # noqa: PLC0415
     from wsgen.model.transform import Pose  # noqa: PLC0415
     from wsgen.reporting.viewing.drawing import draw_simulated  # noqa: PLC0415
-    from wsgen.reporting.viewing.run_page import RunPage  # noqa: PLC0415
+    from wsgen.reporting.viewing.simulation_page import RunPage  # noqa: PLC0415
 
     page = RunPage(host=HOST, port=choose_port(HOST, None), title="run")
     try:
@@ -141,7 +141,7 @@ def test_inputs_may_be_used_before_there_is_a_robot() -> None:
     from viewing.test_play import BOX  # noqa: PLC0415  as above
     from wsgen.model.transform import Pose  # noqa: PLC0415
     from wsgen.reporting.viewing.drawing import draw_simulated  # noqa: PLC0415
-    from wsgen.reporting.viewing.run_page import RunPage  # noqa: PLC0415
+    from wsgen.reporting.viewing.simulation_page import RunPage  # noqa: PLC0415
 
     page: Any = RunPage(host=HOST, port=choose_port(HOST, None), title="run")
     try:

@@ -15,8 +15,7 @@ from wsgen.model.transform import Pose
 from wsgen.model.world import World
 from wsgen.pipeline.describe import DescribedScene
 from wsgen.pipeline.prepare import PreparedRobot
-from wsgen.reporting.viewing.commands import Command, Push, Reset, SetRunning, Step
-from wsgen.reporting.viewing.play import Player
+from wsgen.reporting.viewing.play import Command, Player, Push, Reset, SetRunning, Step
 from wsgen.simulation.engine import Refused
 from wsgen.simulation.scene import Scene, SpawnedRobot
 from wsgen.simulation.session import Session

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
-from wsgen.reporting.viewing.watch import Watcher
+from wsgen.reporting.viewing.view import Watcher
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from wsgen.live.run import RunEnd
     from wsgen.model.behavior import BehaviorRun, LiveMeasurement
     from wsgen.pipeline.requests import SelectedLaunchFile, ValidateRequest
-    from wsgen.reporting.viewing.run_page import RunPage
+    from wsgen.reporting.viewing.simulation_page import RunPage
     from wsgen.ros.environment import RosEnvironment
 
 
@@ -272,7 +272,7 @@ def _showing(
     name = selected.package or selected.file.name
 
     def open_page() -> RunPage:
-        from wsgen.reporting.viewing.run_page import RunPage
+        from wsgen.reporting.viewing.simulation_page import RunPage
 
         try:
             made = RunPage(host=page.host, port=page.port, title=name)

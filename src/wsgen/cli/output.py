@@ -14,8 +14,7 @@ import click
 from wsgen.cli.terminal import Branch, draw_table, draw_tree, fit_lines
 from wsgen.cli.words import short_name
 from wsgen.diagnostics import Severity, has_errors
-from wsgen.reporting.launch_tree import cause_of, start_tree
-from wsgen.reporting.words import result_of, what_it_did, write_xyz
+from wsgen.reporting.words import cause_of, result_of, start_tree, what_it_did, write_xyz
 from wsgen.text.printable import clean_line
 
 if TYPE_CHECKING:
@@ -32,7 +31,7 @@ if TYPE_CHECKING:
         Simulated,
     )
     from wsgen.model.plan import Include, LaunchArgument, LaunchPlan, Process
-    from wsgen.reporting.launch_tree import Started
+    from wsgen.reporting.words import Started
 
 
 COLORS = {Severity.ERROR: "red", Severity.WARNING: "yellow", Severity.INFO: "blue"}

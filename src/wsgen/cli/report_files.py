@@ -64,7 +64,7 @@ def require_places(*files: str | None) -> None:
 def require_libraries(html_file: str | None) -> None:
     """Refuse a page whose plots cannot be drawn, before anything is simulated."""
     if html_file is not None:
-        from wsgen.reporting.plotly_library import require_plotly
+        from wsgen.reporting.page_data import require_plotly
 
         require_plotly()
 
@@ -85,7 +85,7 @@ def write_reports(
     folder = Path.cwd()
     if junit_file is not None:
         from wsgen.reporting.cases import outcome_suites
-        from wsgen.reporting.junit import render_suites
+        from wsgen.reporting.check_formats import render_suites
         from wsgen.text.files import write_file
 
         suites = outcome_suites(outcome, folder)

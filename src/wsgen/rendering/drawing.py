@@ -1,4 +1,7 @@
-"""What the child process of a simulation draws when it is over, or why it cannot."""
+"""What the child process of a simulation draws when it is over, or why it cannot.
+
+A session draws its scene as it is now, and its last seconds.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 from wsgen.errors import WsgenError
 from wsgen.isolation.child import announce
 from wsgen.model.outcome import SceneView
-from wsgen.rendering.recording import Recorder, why_no_video
+
+from wsgen.rendering.recording import Clip, Recorder, why_no_video
 from wsgen.rendering.render_items import subjects
 from wsgen.simulation.scene import DRAWING, RECORDING, NotDrawn, Picture
 from wsgen.text.values import dataclass
@@ -21,6 +25,7 @@ if TYPE_CHECKING:
     from wsgen.rendering.render_items import Poses
     from wsgen.rendering.scene_renderer import SceneRenderer
     from wsgen.simulation.engine import Engine
+    from wsgen.simulation.running_scene import RunningScene
     from wsgen.simulation.scene import Scene, Video
 
 
@@ -162,3 +167,30 @@ def _reason(error: Exception) -> str:
     if isinstance(error, WsgenError):
         return f"{error.message[0].lower()}{error.message[1:].rstrip('.')}"
     return getattr(error, "strerror", None) or str(error) or repr(error)
+
+
+def draw_picture(running: RunningScene, file: Path) -> Picture | NotDrawn:
+    """Draw the robots as they are now."""
+    return drawn(lambda: Picture(tile=_renderer(running).draw(file)))
+
+
+def draw_last_seconds(running: RunningScene, file: Path) -> Video | NotDrawn:
+    """Draw the frames that the scene remembers."""
+    problem = why_no_video(file)
+    if problem is None and not running.frames:
+        problem = "nothing was recorded"
+    if problem is not None:
+        return NotDrawn(problem=problem)
+    from wsgen.rendering.video import draw_video  # noqa: PLC0415  see `_draw_all`
+
+    recorder = Recorder(running.engine.link_poses, 0.0)
+    recorder.rate = running.rate
+    recorder.clips = [Clip("", [poses for _, poses in running.frames])]
+    return drawn(lambda: draw_video(_renderer(running), recorder, file, lambda _: None))
+
+
+def _renderer(running: RunningScene) -> SceneRenderer:
+    from wsgen.rendering.scene_renderer import SceneRenderer  # noqa: PLC0415  see `_draw_all`
+
+    now = poses_now(running.engine, running.scene, running.refused)
+    return SceneRenderer(running.scene, now.poses, now.corners, running.refused)

@@ -14,12 +14,11 @@ import numpy as np
 from wsgen.model.outcome import SceneView
 from wsgen.model.world import SUN_DIRECTION
 from wsgen.rendering.backdrop import Backdrop, tile_for
-from wsgen.rendering.camera import FROM, Size, extent, eye_camera, sun_view
+from wsgen.rendering.camera import FROM, Size, TurnedCamera, extent, eye_camera, slope_of, sun_view
 from wsgen.rendering.picture import draw_arrow, image_of, write_caption, write_png
 from wsgen.rendering.render_items import list_render_items, subjects
 from wsgen.rendering.renderer import Light, Renderer, Shadow
 from wsgen.rendering.scene_view import as_webp, view_of
-from wsgen.rendering.tilted import TurnedCamera, slope_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Container, Iterator, Mapping, Sequence

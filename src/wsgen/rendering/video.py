@@ -1,11 +1,14 @@
 """Draws the video of a simulation: of each behavior, or of the robots from spawning to the end.
 
-Pillow writes a GIF, PyAV an MP4.
+Pillow writes a GIF, PyAV an MP4; no other module imports that. It has wheels for every Python that
+wsgen runs on, and encodes in this process. The alternatives start a program: imageio-ffmpeg brings
+one for every video, and the one on the path may have been built without H.264.
 """
 
 from __future__ import annotations
 
 import io
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -49,9 +52,6 @@ def write_video(
         rate: Frames a second.
     """
     if file.suffix.lower() == ".mp4":
-        # It is an extra, and takes a while to load.
-        from wsgen.rendering.video_encoder import encode_mp4  # noqa: PLC0415
-
         write_file(file, encode_mp4(frames, rate))
     else:
         write_file(file, _encode_gif(frames, samples, rate))
@@ -206,3 +206,30 @@ def _draw(setup: CameraSetup, poses: Poses, name: str, *, seconds: float) -> Ima
     lines = [name, f"{seconds:.2f} s", f"1 square = {tile:g} m" if tile else ""]
     write_caption(image, [line for line in lines if line])
     return image
+
+
+CODECS = ("libx264", "mpeg4")  # the first one that is there
+QUALITY = {"crf": "20", "preset": "veryfast"}  # of libx264: no artefact is seen
+BITS_PER_SECOND = 2_000_000  # of the other
+
+
+def encode_mp4(frames: Iterator[Image.Image], rate: float) -> bytes:
+    """The frames, so many a second, as an MP4 that every browser plays."""
+    import av  # noqa: PLC0415  it is an extra, and takes a while to load
+
+    stream = io.BytesIO()
+    codec = next(name for name in CODECS if name in av.codecs_available)
+    with av.open(stream, "w", format="mp4") as container:
+        first = next(frames)
+        video = container.add_stream(codec, rate=Fraction(rate).limit_denominator(1000))
+        video.width, video.height = first.size
+        video.pix_fmt = "yuv420p"  # the only one that all players know
+        video.bit_rate = BITS_PER_SECOND if codec != CODECS[0] else 0
+        video.options = QUALITY if codec == CODECS[0] else {}
+        video.thread_count = 1
+        image: Image.Image | None = first
+        while image is not None:
+            container.mux(video.encode(av.VideoFrame.from_image(image)))
+            image = next(frames, None)
+        container.mux(video.encode())
+    return stream.getvalue()

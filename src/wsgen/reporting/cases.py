@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 from wsgen.checks.rules import runs
 from wsgen.diagnostics import Severity
 from wsgen.model.behavior import ELEMENT
-from wsgen.reporting.check_formats import full_message, relative_name
-from wsgen.reporting.junit import Case, Failure, Suite
+from wsgen.reporting.check_formats import Case, Failure, Suite, full_message, relative_name
 from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:

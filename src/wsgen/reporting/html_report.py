@@ -23,11 +23,11 @@ from wsgen.checks.rules.catalogue import find_rule
 from wsgen.diagnostics import Severity
 from wsgen.model.outcome import Outcome, name_engines
 from wsgen.model.robot import JointType, Mesh
-from wsgen.reporting.launch_tree import cause_of, start_tree
-from wsgen.reporting.page_data import compress, pack_package
-from wsgen.reporting.plotly_library import read_plotly
+from wsgen.reporting.page_data import compress, pack_package, read_plotly
 from wsgen.reporting.words import (
+    cause_of,
     result_of,
+    start_tree,
     what_is_expected,
     what_it_did,
     what_it_is_to_do,

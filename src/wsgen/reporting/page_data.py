@@ -1,7 +1,8 @@
-"""The numbers of a page, packed for its script: what plots and 3D views are drawn from.
+"""What the script of a page gets: the numbers of its plots and 3D views, packed, and plotly.js.
 
 One text holds a header in JSON and arrays of numbers behind it, compressed and in base64: nothing
-that a user writes can end the element that it stands in, and sixty robots fit on a page.
+that a user writes can end the element that it stands in, and sixty robots fit on a page. plotly.js
+comes with PyPI's plotly, whose Python package is never imported.
 """
 
 from __future__ import annotations
@@ -10,10 +11,14 @@ import base64
 import gzip
 import json
 import math
+import re
 import sys
 from array import array
-from typing import TYPE_CHECKING, Any
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from wsgen.errors import NotFoundError
 from wsgen.model.behavior import Drive, Reach
 from wsgen.model.robot import JointType
 
@@ -178,3 +183,44 @@ def _parts(
                 "wide": part.has_wide_numbers,
             },
         }
+
+
+SCRIPT = "package_data/plotly.min.js"
+
+
+class PlotlyLibrary(NamedTuple):
+    """A script that defines `Plotly`, under the MIT license; its first lines say so."""
+
+    script: str
+    version: str
+
+
+def _find() -> Path | None:
+    spec = find_spec("plotly")
+    file = Path(spec.origin).parent / SCRIPT if spec is not None and spec.origin else None
+    return file if file is not None and file.is_file() else None
+
+
+def require_plotly(*, extra: str = "report") -> None:
+    """Check that it is installed; `extra` is the one of wsgen that brings it.
+
+    Raises:
+        NotFoundError: It is not; the hint says how to install it.
+    """
+    if _find() is None:
+        raise NotFoundError(
+            "plotly, which draws the plots of the report, is not installed.",
+            hint=f"Install it: pip install 'wsgen[{extra}]'",
+        )
+
+
+def read_plotly(*, extra: str = "report") -> PlotlyLibrary:
+    """Read the script; `extra` is the one of wsgen that brings it.
+
+    Raises:
+        NotFoundError: It is not installed.
+    """
+    require_plotly(extra=extra)
+    script = (_find() or Path()).read_text(encoding="utf-8")
+    found = re.search(r"plotly\.js v([\w.+-]+)", script[:500])
+    return PlotlyLibrary(script, found[1] if found else "")

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 from wsgen import __version__
 from wsgen.errors import RequestError
 from wsgen.reporting.html_report import FOLDER, Html, hash_script, mark_code, read_script
-from wsgen.reporting.page_data import compress
-from wsgen.reporting.plotly_library import read_plotly, require_plotly
+from wsgen.reporting.page_data import compress, read_plotly, require_plotly
 from wsgen.sweeping.chart import make_chart, ticks_of
 from wsgen.sweeping.plots import draw_png, require_matplotlib
 from wsgen.sweeping.summary import describe_parameter, write_share

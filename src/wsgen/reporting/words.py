@@ -1,18 +1,24 @@
-"""What a person reads about a robot: how it ended, what it did, where it is."""
+"""What a person reads about a robot, a launch and diagnostics, wherever it is shown.
+
+Of a robot how it ended, what it did, where it is; of a launch which process starts which.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+import os
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.rules.runs import TIPS_OVER, UNACTUATED_JOINTS_MOVE
 from wsgen.model.outcome import GAZEBO
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
+    from wsgen.diagnostics import Diagnostic
     from wsgen.model.behavior import BehaviorOutcome, Task
     from wsgen.model.outcome import EngineOutcome
+    from wsgen.model.plan import Process
 
 
 def result_of(one: EngineOutcome) -> str:
@@ -98,3 +104,69 @@ def _positions(positions: Mapping[str, float]) -> str:
 
 def _plain(value: float) -> str:
     return f"{round(value, 2) + 0.0:.2f}" if math.isfinite(value) else str(value)
+
+
+def render_text(diagnostics: Iterable[Diagnostic]) -> str:
+    """Each diagnostic with its place and what to do, as the command line shows it."""
+    return "\n".join(line for one in diagnostics for line in _lines(one))
+
+
+def _lines(diagnostic: Diagnostic) -> Iterator[str]:
+    kind = f"{diagnostic.severity.value}[{diagnostic.code}]"
+    yield f"{kind} {diagnostic.name}: {diagnostic.message}"
+    place = "  ".join(filter(None, (_place(diagnostic), diagnostic.element)))
+    if place:
+        yield f"    at: {place}"
+    if diagnostic.hint:
+        yield f"   try: {diagnostic.hint}"
+
+
+def _place(diagnostic: Diagnostic) -> str:
+    if diagnostic.file is None:
+        return ""
+    file = os.fspath(diagnostic.file)
+    return file if diagnostic.line is None else f"{file}:{diagnostic.line}"
+
+
+class Started(NamedTuple):
+    """A process, and those that its start or exit causes."""
+
+    process: Process
+    followers: tuple[Started, ...]
+
+
+def start_tree(processes: Sequence[Process]) -> tuple[Started, ...]:
+    """The processes that the launch itself starts, each with those that follow from it."""
+    followers: dict[int, list[Process]] = {}
+    first: dict[str, Process] = {}
+    roots: list[Process] = []
+    for process in processes:
+        _, _, name = process.starts.partition(" of ")
+        if name in first:
+            followers.setdefault(id(first[name]), []).append(process)
+        else:
+            roots.append(process)
+        first.setdefault(_name(process), process)
+    return _nodes(roots, followers)
+
+
+def _nodes(
+    processes: Sequence[Process], followers: dict[int, list[Process]]
+) -> tuple[Started, ...]:
+    return tuple(
+        Started(process, _nodes(followers.get(id(process), ()), followers)) for process in processes
+    )
+
+
+def _name(process: Process) -> str:
+    if process.command:
+        return process.name or process.command[0].rpartition("/")[2]
+    return process.name or process.executable or ""
+
+
+def cause_of(process: Process) -> str:
+    """What starts a process, as "after 3.0 s"; empty for the launch itself."""
+    if process.starts == "launch":
+        return ""
+    kind, _, rest = process.starts.partition(" ")
+    return {"timer": f"after {rest} s", "shutdown": "on shutdown"}.get(kind, f"on {process.starts}")

@@ -14,7 +14,7 @@ from wsgen.diagnostics import Severity
 from wsgen.errors import RequestError
 from wsgen.model.behavior import Behavior, BehaviorRun, Drive, Reach
 from wsgen.pipeline.run_robots import check_robot
-from wsgen.reporting.text import render_text
+from wsgen.reporting.words import render_text
 from wsgen.simulation.scene import BehaviorMeasurement
 from wsgen.testing.robot import assert_simulated
 

@@ -206,7 +206,7 @@ def _open(near: Path, wanted: dict[str, Any]) -> SharedScene | str:
     """The scene, or why it cannot be loaded."""
     from wsgen.errors import WsgenError  # noqa: PLC0415  see the top
     from wsgen.pipeline.load_scene import BrokenSceneError  # noqa: PLC0415
-    from wsgen.reporting.text import render_text  # noqa: PLC0415
+    from wsgen.reporting.words import render_text  # noqa: PLC0415
     from wsgen.testing.simulation import SharedScene  # noqa: PLC0415
 
     try:
@@ -319,7 +319,7 @@ class _RunningLive:
         except NotFoundError as error:
             pytest.fail(f"wsgen: {error}", pytrace=False)
         from wsgen.live.session import BrokenLaunchError  # noqa: PLC0415
-        from wsgen.reporting.text import render_text  # noqa: PLC0415
+        from wsgen.reporting.words import render_text  # noqa: PLC0415
         from wsgen.testing.live import run_live  # noqa: PLC0415
 
         self._of_test.push(self._stack)

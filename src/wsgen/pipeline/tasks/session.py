@@ -67,12 +67,12 @@ class _Server:
     @staticmethod
     def _picture(running: RunningScene, file: Path) -> Picture | NotDrawn:
         # Loading NumPy and Pillow would cost every session.
-        from wsgen.rendering.session_drawing import draw_picture  # noqa: PLC0415
+        from wsgen.rendering.drawing import draw_picture  # noqa: PLC0415
 
         return draw_picture(running, file)
 
     @staticmethod
     def _record(running: RunningScene, file: Path) -> Video | NotDrawn:
-        from wsgen.rendering.session_drawing import draw_last_seconds  # noqa: PLC0415  as above
+        from wsgen.rendering.drawing import draw_last_seconds  # noqa: PLC0415  as above
 
         return draw_last_seconds(running, file)

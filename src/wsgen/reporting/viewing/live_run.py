@@ -17,10 +17,8 @@ from wsgen.isolation.codec import decode
 from wsgen.live.nodes.simulator_client import SimulatorClient, SimulatorEndedError, SimulatorError
 from wsgen.model.robot import Mesh
 from wsgen.model.transform import IDENTITY, Pose
-from wsgen.reporting.viewing.commands import Reset, SetRunning, Step
 from wsgen.reporting.viewing.drawing import draw_simulated
-from wsgen.reporting.viewing.play import SimulationViewer
-from wsgen.reporting.viewing.speedometer import Speedometer
+from wsgen.reporting.viewing.play import Reset, SetRunning, SimulationViewer, Speedometer, Step
 from wsgen.reporting.viewing.texts import diagnostics_list, links_table, plain, summary
 from wsgen.simulation.live_scene import SCENE_FILE, LiveScene
 from wsgen.simulation.scene import SpawnedRobot
@@ -30,8 +28,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.reporting.viewing.commands import Command
     from wsgen.reporting.viewing.drawing import DrawnRobot
+    from wsgen.reporting.viewing.play import Command
 
 
 FRAME = 1 / 30  # s, wall-clock, between two looks at the robots
@@ -48,7 +46,7 @@ class Launched(NamedTuple):
 
 
 class RunViewer(SimulationViewer, Protocol):
-    """What shows the run: `wsgen.reporting.viewing.run_page.RunPage`."""
+    """What shows the run: `wsgen.reporting.viewing.simulation_page.RunPage`."""
 
     @property
     def is_open(self) -> bool:

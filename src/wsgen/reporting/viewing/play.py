@@ -3,25 +3,85 @@
 from __future__ import annotations
 
 import time
+from collections import deque
 from functools import partial
 from queue import Empty
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from wsgen.errors import RequestError, SessionDiedError
-from wsgen.reporting.viewing.commands import Push, Reset, SetRunning, Step
 from wsgen.reporting.viewing.drawing import draw_one, draw_simulated
-from wsgen.reporting.viewing.speedometer import Speedometer
 from wsgen.reporting.viewing.texts import diagnostics_list, links_table, plain, summary
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
     from queue import SimpleQueue
 
-    from wsgen.model.transform import Pose
+    from wsgen.model.transform import Pose, Vector
     from wsgen.pipeline.describe import DescribedScene
-    from wsgen.reporting.viewing.commands import Command
     from wsgen.reporting.viewing.drawing import DrawnRobot
     from wsgen.simulation.session import Session
+
+
+RATE_OVER = 1.0  # s, wall-clock
+
+
+class Push(NamedTuple):
+    """A force that is to act on a robot."""
+
+    entity: str
+    link: str | None  # of those that are simulated; None: the root
+    force: Vector  # N, in the world
+    seconds: float  # simulated
+
+
+class Step(NamedTuple):
+    """So much simulated time is to pass, and then no more."""
+
+    seconds: float
+
+
+class SetRunning(NamedTuple):
+    """The simulation is to go on, or to wait."""
+
+    is_running: bool
+
+
+class Reset(NamedTuple):
+    """Everything is to be as it was at the beginning."""
+
+
+Command = Push | Step | SetRunning | Reset
+
+
+class Speedometer:
+    """Measures simulated time against that of a clock, over the last second."""
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        self._clock = clock
+        self._moments: deque[tuple[float, float]] = deque()  # wall-clock and simulated s
+
+    def begin(self) -> None:
+        """Forget what was: the simulation stood still, or has begun again."""
+        self._moments.clear()
+
+    def describe(self, simulated: float, *, is_running: bool) -> str:
+        """Say in Markdown how far it is and how fast it runs now."""
+        return f"**{simulated:.2f} s** simulated{self._rate(simulated, is_running=is_running)}"
+
+    def _rate(self, simulated: float, *, is_running: bool) -> str:
+        if not is_running:
+            self.begin()
+            return ", paused"
+        now = self._clock()
+        if self._moments and simulated < self._moments[-1][1]:  # it was reset
+            self.begin()
+        self._moments.append((now, simulated))
+        while len(self._moments) > 2 and now - self._moments[1][0] > RATE_OVER:  # noqa: PLR2004
+            self._moments.popleft()
+        began, before = self._moments[0]
+        if now - began < RATE_OVER / 2:
+            return ""
+        return f", {(simulated - before) / (now - began):.2g} × real time"
 
 
 FRAME = 1 / 30  # s, wall-clock, between two looks at the robots
