@@ -14,8 +14,7 @@ import pytest
 from own_network import outside, own_network, ros_domain
 from wsgen.errors import NotFoundError
 from wsgen.ros.environment import RosEnvironment, open_ros
-from wsgen.ros.environment.machines import why_not
-from wsgen.ros.environment.sourced import sourced_prefix
+from wsgen.ros.environment.available import sourced_prefix, why_not
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import pytest
 
 from kind_workspaces import Answer, KindOfWorkspace, copy_workspace
-from wsgen.ros.environment.machines import why_not
+from wsgen.ros.environment.available import why_not
 
 if TYPE_CHECKING:
     from pathlib import Path

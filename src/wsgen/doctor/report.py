@@ -25,8 +25,7 @@ from wsgen.model.installation import (
     ros_packages,
 )
 from wsgen.model.target import Target, end_of_life_note
-from wsgen.ros.environment.machines import why_not
-from wsgen.ros.environment.sourced import check_rclpy, sourced_prefix
+from wsgen.ros.environment.available import check_rclpy, sourced_prefix, why_not
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

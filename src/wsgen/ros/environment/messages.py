@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING
 
 from wsgen.errors import NotFoundError
 from wsgen.events import OutputLine, StepEnded, StepProgressed, StepStarted, post
-from wsgen.ros.environment.cache import being_made
 from wsgen.ros.environment.compiler import python_headers, run_all
 from wsgen.ros.environment.interfaces import (
     buildable,
@@ -28,7 +27,7 @@ from wsgen.ros.environment.interfaces import (
     in_order,
     write_interfaces,
 )
-from wsgen.ros.environment.wheels import site_packages
+from wsgen.ros.environment.wheels import being_made, site_packages
 from wsgen.text.values import dataclass, lazy_pattern
 
 if TYPE_CHECKING:

@@ -8,15 +8,18 @@ from __future__ import annotations
 
 from typing import Any
 
-from tf2_py._exceptions import (
+from tf2_py._frames import (
+    DEFAULT_CACHE_NANOSECONDS,
+    SECOND,
     ConnectivityException,
     ExtrapolationException,
+    Frames,
     InvalidArgumentException,
     LookupException,
     TimeoutException,
+    Transform,
     TransformException,
 )
-from tf2_py._frames import DEFAULT_CACHE_NANOSECONDS, SECOND, Frames, Transform
 
 __all__ = [
     "BufferCore",

@@ -11,13 +11,6 @@ import threading
 from bisect import bisect_left, bisect_right
 from typing import TYPE_CHECKING, NamedTuple
 
-from tf2_py._exceptions import (
-    ConnectivityException,
-    ExtrapolationException,
-    InvalidArgumentException,
-    LookupException,
-    TransformException,
-)
 from tf2_py._rotations import (
     NO_ROTATION,
     NO_TRANSLATION,
@@ -35,6 +28,31 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from tf2_py._rotations import Quaternion, Vector
+
+
+class TransformException(Exception):
+    """Base of all."""
+
+
+class ConnectivityException(TransformException):
+    """Two frames are not in the same tree."""
+
+
+class LookupException(TransformException):
+    """A frame does not exist."""
+
+
+class ExtrapolationException(TransformException):
+    """The time is before or after what is known."""
+
+
+class InvalidArgumentException(TransformException):
+    """A name that cannot be one of a frame."""
+
+
+class TimeoutException(TransformException):
+    """A transform did not come in time."""
+
 
 DEFAULT_CACHE_NANOSECONDS = 10 * 10**9
 MAX_DEPTH = 1000  # frames between a frame and its root; more are a loop
