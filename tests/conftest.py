@@ -15,7 +15,7 @@ from own_network import why_refused
 from ros_for_tests import network_of_ros, ros
 from wsgen.isolation import channel, result, system
 from wsgen.isolation.parent import Process
-from wsgen.launching import plain_child
+from wsgen.launching import evaluate
 
 if sys.platform == "linux":
     import resource
@@ -100,8 +100,8 @@ if "PYTEST_XDIST_WORKER" in os.environ:
     # process of pytest-xdist has more, and would start an interpreter for each check.
     own_starter = channel._starter
     channel._starter = starter
-    FOREIGN = plain_child.FOREIGN
-    plain_child.FOREIGN = frozenset()
+    FOREIGN = evaluate.FOREIGN
+    evaluate.FOREIGN = frozenset()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

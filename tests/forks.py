@@ -27,7 +27,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from wsgen.isolation import child, parent, system
-from wsgen.launching.plain_child import FOREIGN
+from wsgen.launching.evaluate import FOREIGN
 from wsgen.text.files import forget_remembered
 
 if sys.platform == "linux":

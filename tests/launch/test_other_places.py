@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from install_space import InstallSpace, only_message
-from wsgen.launching.other_places import find_in_package
+from wsgen.launching.known_packages import find_in_package
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -12,9 +12,8 @@ from wsgen.descriptions.xacro.reader import expand_file
 from wsgen.isolation.fork_server import ForkServer
 from wsgen.isolation.parent import Run
 from wsgen.isolation.result import Answered, Died, Limits
-from wsgen.launching.evaluate import LIMITS, evaluate
+from wsgen.launching.evaluate import LIMITS, TASK_OF_XACRO, PlainLaunches, evaluate
 from wsgen.launching.plain import is_plain, is_plain_expression
-from wsgen.launching.plain_child import TASK_OF_XACRO, PlainLaunches
 from wsgen.model.plan import LaunchPlan
 from wsgen.packages.source_shares import serve_sources
 
@@ -250,7 +249,7 @@ def test_a_child_that_dies_is_started_again(
     together: PlainLaunches, apart: Counted, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What kills it, kills a child of its own, too, and is reported."""
-    monkeypatch.setattr("wsgen.launching.plain_child.SECONDS", 1.0)
+    monkeypatch.setattr("wsgen.launching.evaluate.SECONDS", 1.0)
     deadly = write(tmp_path, "deadly", "for _ in range(10**12):\n    pass")
     sound = write(tmp_path, "sound", "text = 'x'")
     before = apart.count

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from wsgen.launching.requests import read_request
+from wsgen.launching.commands import read_request
 
 
 @pytest.mark.parametrize(

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.launching import known_packages
 from wsgen.launching.commands import started_launch_files, started_programs
-from wsgen.launching.explain_missing import PACKAGE_NOT_FOUND, absolute_part
+from wsgen.launching.explain_missing import PACKAGE_NOT_FOUND, absolute_part, or_unused_action
 from wsgen.launching.known_packages import SURELY
-from wsgen.launching.missing_actions import or_unused_action
 from wsgen.launching.simulators import PACKAGES_OF_GAZEBO, find_simulator
 from wsgen.model.plan import STARTS_UNKNOWN
 from wsgen.text.files import after_scheme, read_regular_text

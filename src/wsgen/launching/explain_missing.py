@@ -8,12 +8,13 @@ from __future__ import annotations
 import ast
 import collections
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launching import known_packages
-from wsgen.launching.other_places import find_in_package, in_python
+from wsgen.launching.known_packages import find_in_package, in_python
 from wsgen.launching.package_lookup import needs_missing_library, targets_left_out
 from wsgen.launching.record import RECORD
 from wsgen.packages.source_shares import is_source
@@ -24,7 +25,10 @@ from wsgen.text.suggestions import advice, did_you_mean, nearest
 from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Sequence
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.model.plan import LaunchPlan
 
 
 def nodes_of(file: str | Path) -> Iterator[Any]:
@@ -537,3 +541,27 @@ def executable_error(error: BaseException) -> Explanation | None:
         element=program,
         written=program,
     )
+
+
+def or_unused_action(
+    missing: Diagnostic, plan: LaunchPlan, *kinds: str, names: Collection[str]
+) -> Diagnostic:
+    """What is reported as missing; or, as an error, the action that was created and never added.
+
+    `kinds` are the classes of such actions; `names` the programs, launch files and packages of
+    which they name one.
+    """
+    for action in unused_actions(plan.evaluated_files, kinds):
+        if not action.words.isdisjoint(names):
+            return replace(
+                missing,
+                severity=Severity.ERROR,
+                message=f"{missing.message.rstrip('.')}: `{action.name}` is created but not "
+                "added to the LaunchDescription.",
+                file=action.file,
+                line=action.line,
+                element=action.name,
+                hint=f"Add it to the LaunchDescription that is returned: add_action({action.name})"
+                ".",
+            )
+    return missing

@@ -9,15 +9,17 @@ distribution does differently is named.
 from __future__ import annotations
 
 import os
+import posixpath
 from functools import cache
-from typing import TYPE_CHECKING
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.ros.names import released_packages
 from wsgen.text.suggestions import nearest
 from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
 
 SURELY = 0.8  # so alike two words are, as difflib counts, that one is the other misspelled
@@ -372,3 +374,41 @@ KNOWN_MODULES = frozenset(
         "tf_transformations",
     )
 )
+
+
+class PlaceInPackage(NamedTuple):
+    """Where a package has a file."""
+
+    package: str
+    inside: str  # its path below the share folder, with slashes
+
+
+def find_in_package(
+    path: str, share_of: Callable[[str], Path | None] | None = None
+) -> PlaceInPackage | None:
+    """The place in a package that is meant by a path like `~/other_ws/src/PACKAGE/config/a.yaml`.
+
+    Args:
+        path: A path, of any system, where nothing is.
+        share_of: Gives the share folder of a package, if there is one; without it the packages are
+            those of AMENT_PREFIX_PATH.
+    """
+    parts = PurePosixPath(posixpath.normpath(as_on_linux(path))).parts
+    for index in range(len(parts) - 2, 0, -1):  # inner folders first: `install/P/share/P/...`
+        package, inside = parts[index], "/".join(parts[index + 1 :])
+        share = (share_of or _share_on_path)(package)
+        if package != ".." and share is not None and os.path.isfile(share / inside):
+            return PlaceInPackage(package, inside)
+    return None
+
+
+def _share_on_path(package: str) -> Path | None:
+    from ament_index_python.packages import get_packages_with_prefixes
+
+    prefix = get_packages_with_prefixes().get(package)
+    return None if prefix is None else Path(prefix, "share", package)
+
+
+def in_python(place: PlaceInPackage) -> str:
+    """The expression of a launch file in Python for that place."""
+    return f"os.path.join(get_package_share_directory('{place.package}'), '{place.inside}')"

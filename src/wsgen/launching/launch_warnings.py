@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launching import known_packages
-from wsgen.launching.other_places import find_in_package, in_python
+from wsgen.launching.known_packages import find_in_package, in_python
 from wsgen.launching.record import RECORD
 from wsgen.text.files import read_whole
 from wsgen.text.suggestions import advice, nearest

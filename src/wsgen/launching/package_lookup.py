@@ -13,7 +13,7 @@ import os
 import re
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launching import known_packages
@@ -25,6 +25,7 @@ from wsgen.text.markup import read_text, without_comments
 from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
+    import subprocess
     from collections.abc import Iterable, Sequence
 
     from wsgen.launching.record import Location
@@ -246,3 +247,62 @@ def _report_undeclared(manifest: Path) -> None:
         f"the launch file{'s use' if len(RECORD.launch_files) > 1 else ' uses'}",
     )
     RECORD.report(UNDECLARED_PACKAGE.at(Path(file), line, message=message, hint=hint))
+
+
+ROS2_PKG_PREFIX = ["ros2", "pkg", "prefix"]
+
+
+def runs_ros2_pkg(source: object) -> bool:
+    """Whether the text of a Python module may run it, which few do."""
+    text = source.encode() if isinstance(source, str) else source
+    return isinstance(text, bytes) and b"prefix" in text and b"ros2" in text
+
+
+def answer_ros2_pkg() -> None:
+    """Let `subprocess`, and with it `os.popen`, print what `ros2 pkg prefix` would.
+
+    The package is looked up as `get_package_prefix()` looks it up, and reported as there.
+    """
+    import subprocess  # which takes milliseconds
+
+    start = subprocess.Popen.__init__
+
+    def run(process: subprocess.Popen[Any], args: Any, *more: Any, **options: Any) -> None:
+        start(process, _answered_ros2_pkg(args), *more, **options)
+
+    if not getattr(start, "is_answered", False):
+        run.is_answered = True  # type: ignore[attr-defined]
+        subprocess.Popen.__init__ = run  # type: ignore[assignment,method-assign]
+
+
+def _answered_ros2_pkg(args: Any) -> Any:
+    """The command to run instead; another one is left as it is."""
+    import shlex
+    import shutil
+
+    try:
+        words = shlex.split(args) if isinstance(args, str) else [os.fspath(one) for one in args]
+    except (TypeError, ValueError):
+        return args
+    options = [word for word in words[len(ROS2_PKG_PREFIX) :] if word.startswith("-")]
+    names = [word for word in words[len(ROS2_PKG_PREFIX) :] if not word.startswith("-")]
+    if (
+        words[: len(ROS2_PKG_PREFIX)] != ROS2_PKG_PREFIX
+        or len(names) != 1
+        or shutil.which(ROS2_PKG_PREFIX[0])
+    ):
+        return args
+    from ament_index_python import packages
+
+    before = RECORD.reading
+    # Not the line of `os` or `subprocess`, which is none of the user's.
+    RECORD.reading = next((one for one in callers() if one[0] in RECORD.launch_files), before)
+    try:
+        found = packages.get_package_prefix(names[0])
+    except (KeyError, ValueError):
+        said = ["sh", "-c", "echo 'Package not found' >&2; exit 1"]
+    else:
+        said = ["echo", os.path.join(found, "share", names[0]) if options else found]
+    finally:
+        RECORD.reading = before
+    return shlex.join(said) if isinstance(args, str) else said

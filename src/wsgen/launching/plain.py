@@ -18,6 +18,7 @@ from wsgen.text.pythontree import parse, parse_anew
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
+
 MOST_BYTES = 200_000  # of a launch file; a longer one is made by a program
 _PACKAGES = frozenset(("launch", "launch_ros", "ament_index_python", "typing"))
 _PATH_FUNCTIONS = frozenset(
@@ -187,3 +188,6 @@ def _is_read_of(node: ast.AST, systems: set[str]) -> bool:
         case ["getenv"] | ["getcwd"] | ["environ", "get"] | ["environ", "[]"]:
             return True
     return False
+
+
+EVALUATE, EXPAND = "evaluate", "expand"  # the commands

@@ -22,7 +22,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from wsgen.isolation import child
-from wsgen.launching.requests import requested_texts
+from wsgen.launching.commands import requested_texts
 from wsgen.model.plan import Origin, Unresolved
 from wsgen.text.files import read_regular_text
 from wsgen.text.values import lazy_pattern

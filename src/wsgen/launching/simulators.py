@@ -12,7 +12,7 @@ from wsgen.launching.commands import (
     started_launch_files,
     started_programs,
 )
-from wsgen.launching.missing_actions import or_unused_action
+from wsgen.launching.explain_missing import or_unused_action
 from wsgen.model.target import CLASSIC, SIM
 from wsgen.model.world import Simulator
 

@@ -1,21 +1,24 @@
 """The options of the spawners, read as these programs do.
 
-`spawn_entity.py` (gazebo_ros) reads them with argparse, `create` (ros_gz_sim) with gflags:
-`-name value`, `-name=value` or `--name=value`; it ignores what it does not know. It takes node
-parameters too, which win over the options. Source: the programs.
+`spawn_entity.py` (gazebo_ros) reads them with argparse, which takes a value in the word of a short
+option, as in `-z 0.5` or `-z0.5`, and the beginning of a long one, as in `-ent`. `create`
+(ros_gz_sim) reads them with gflags: `-name value`, `-name=value` or `--name=value`; it ignores what
+it does not know. It takes node parameters too, which win over the options. Those of
+controller_manager's `spawner` are for checks and for the one of live runs. Source: the programs, of
+ros-controls/ros2_control controller_manager/controller_manager/spawner.py (Humble to Kilted).
 """
 
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.text.suggestions import advice, did_you_mean
 from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.plan import Process
@@ -165,11 +168,8 @@ def _read_strictly(
     process: Process, words: list[str], options: Options
 ) -> tuple[dict[str, str], list[_Remark], list[_Remark]]:
     """As `_read_words`, of words that argparse reads."""
-    # Only the spawner of Gazebo Classic needs argparse.
-    from wsgen.launching.spawn_entity_arguments import RefusedError, parse
-
     try:
-        values, rest = parse(words, options.with_value, options.flags)
+        values, rest = parse_spawn_entity(words, options.with_value, options.flags)
     except RefusedError as error:
         return {}, [], [_refused(process, words, str(error))]
     # What follows an unknown option is its value.
@@ -280,3 +280,61 @@ def _unknown(process: Process, word: str, options: Options) -> _Remark:
         if is_name
         else advice(word, names, f"Use one of {' '.join(names)}."),
     )
+
+
+class RefusedError(Exception):
+    """What `argparse` says of arguments that it does not accept."""
+
+
+_SECONDS = frozenset(("timeout", "spawn_service_timeout"))
+NUMBERS = _SECONDS | frozenset("xyzRPY")
+
+
+def parse_spawn_entity(
+    words: Sequence[str], with_value: Iterable[str], flags: Iterable[str]
+) -> tuple[dict[str, str], list[str]]:
+    """The values of the options, those of flags "true", and the words that are no option.
+
+    Raises:
+        RefusedError: An option has no value, or a wrong one, or is the beginning of several.
+    """
+    from argparse import SUPPRESS, ArgumentParser  # which few launch files need
+
+    class Parser(ArgumentParser):
+        def error(self, message: str) -> NoReturn:
+            raise RefusedError(message)
+
+    parser = Parser(argument_default=SUPPRESS, add_help=False)
+    for name in with_value:
+        kind: dict[str, Any] = {"type": float} if name in _SECONDS else {}
+        parser.add_argument(f"-{name}", dest=name, **kind)
+    for name in flags:
+        parser.add_argument(f"-{name}", dest=name, action="store_const", const="true")
+    parser.add_argument("-h", "--help", action="store_const", const="true")
+    values, rest = parser.parse_known_args(words)
+    return {name: str(value) for name, value in vars(values).items()}, rest
+
+
+# Names -> what it is if it is not given. False: a flag; a number: takes a number; an empty tuple:
+# may be given several times.
+ControllerOptions = dict[tuple[str, ...], str | float | tuple[()] | None]
+
+OF_SPAWNER: ControllerOptions = {
+    ("-c", "--controller-manager"): "controller_manager",
+    ("-n", "--namespace"): None,
+    ("-t", "--controller-type"): None,
+    ("--controller-manager-timeout",): 0.0,
+    ("--switch-timeout",): 5.0,
+    ("--service-call-timeout",): 10.0,
+    ("--activate-as-group",): False,
+    ("--switch-asap", "--no-switch-asap"): False,
+    ("-u", "--unload-on-kill"): False,
+}
+# After `--controller NAME`, for it alone.
+OF_CONTROLLER: ControllerOptions = {
+    ("-p", "--param-file"): (),
+    ("--load-only",): False,
+    ("--inactive",): False,
+    ("--stopped",): False,
+    ("--controller-ros-args",): (),
+}

@@ -15,7 +15,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity, has_errors
-from wsgen.launching.commands import started_launch_files, started_programs
+from wsgen.launching.commands import (
+    SPAWNING_REQUESTS,
+    read_request,
+    started_launch_files,
+    started_programs,
+)
 from wsgen.launching.descriptions import (
     Description,
     find_description,
@@ -23,9 +28,7 @@ from wsgen.launching.descriptions import (
     read_published,
     read_spawned_file,
 )
-from wsgen.launching.explain_missing import nodes_of
-from wsgen.launching.missing_actions import or_unused_action
-from wsgen.launching.requests import SPAWNING_REQUESTS, read_request
+from wsgen.launching.explain_missing import nodes_of, or_unused_action
 from wsgen.launching.simulators import find_simulator, kind_of_project
 from wsgen.launching.spawner_options import (
     CREATE,

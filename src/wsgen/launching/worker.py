@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any
 
 from wsgen.diagnostics import has_errors
 from wsgen.isolation.child import copy_environment, scratch_folder, set_environment
-from wsgen.launching import known_packages, package_lookup, ros2_pkg, written_files
+from wsgen.launching import known_packages, package_lookup, written_files
 from wsgen.launching.record import RECORD, ForkError, NotPlainError, caller, callers
 from wsgen.model.plan import ABSENT_MODULE, LaunchArgument, LaunchPlan
 from wsgen.ros.names import rosdep_keys
@@ -298,8 +298,8 @@ def _watch(event: str, arguments: tuple[Any, ...]) -> None:
     # Folders are searched for files to include: <xacro:include filename="parts/*.xacro"/>.
     if event in ("open", "os.scandir") and RECORD.opened_by_xacro is not None:
         RECORD.opened_by_xacro.append(os.path.abspath(str(arguments[0])))
-    if event == "compile" and ros2_pkg.is_run_in(arguments[0]):
-        ros2_pkg.answer()
+    if event == "compile" and package_lookup.runs_ros2_pkg(arguments[0]):
+        package_lookup.answer_ros2_pkg()
     if event == "open":
         if str(arguments[0]).endswith(_DESCRIPTIONS):
             RECORD.opened.append(os.path.abspath(str(arguments[0])))

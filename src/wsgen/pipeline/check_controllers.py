@@ -18,7 +18,7 @@ from wsgen.checks.rules.ros2_control import ControlFacts, control_plugins, contr
 from wsgen.descriptions.xacro.source import place_in_source
 from wsgen.diagnostics import Severity
 from wsgen.launching.commands import has_gaps
-from wsgen.launching.other_places import find_in_package
+from wsgen.launching.known_packages import find_in_package
 from wsgen.text import yamlfile
 
 if TYPE_CHECKING:

@@ -60,7 +60,7 @@ def run_parallel(
 def start_children() -> Iterator[Run]:
     """What runs child processes that share their start, for calls one after the other."""
     from wsgen.isolation.fork_server import ForkServer  # noqa: PLC0415  of no use for one
-    from wsgen.launching.plain_child import PlainLaunches  # noqa: PLC0415  same
+    from wsgen.launching.evaluate import PlainLaunches  # noqa: PLC0415  same
 
     with ForkServer() as fork_server, PlainLaunches(fork_server.run, is_forked=True) as launches:
         yield launches.run
@@ -75,7 +75,7 @@ def _run_in_threads(
     is_forked: bool,
 ) -> None:
     from wsgen.isolation.fork_server import ForkServer  # noqa: PLC0415  of no use for one
-    from wsgen.launching.plain_child import PlainLaunches  # noqa: PLC0415  same
+    from wsgen.launching.evaluate import PlainLaunches  # noqa: PLC0415  same
 
     # Leaving these ends the children for which the threads wait.
     fork_server = ForkServer()

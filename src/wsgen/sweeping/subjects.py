@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from wsgen.errors import RequestError
 from wsgen.isolation.fork_server import ForkServer
 from wsgen.isolation.parent import make_scratch
+from wsgen.launching.evaluate import PlainLaunches
 from wsgen.launching.known_packages import prefix
-from wsgen.launching.plain_child import PlainLaunches
 from wsgen.packages.workspace.overlay import open_overlay
 from wsgen.pipeline.requests import ValidateRequest
 from wsgen.pipeline.validate import check_request, overlays_of_files

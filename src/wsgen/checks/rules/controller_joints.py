@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.launching.other_places import PlaceInPackage
+    from wsgen.launching.known_packages import PlaceInPackage
     from wsgen.model.robot import ControlSystem, Joint, Plugin
     from wsgen.text import yamlfile
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launching.commands import started_programs
-from wsgen.launching.controller_spawner_options import OF_CONTROLLER, OF_SPAWNER
 from wsgen.launching.explain_missing import EXECUTABLE_NOT_FOUND
+from wsgen.launching.spawner_options import OF_CONTROLLER, OF_SPAWNER
 from wsgen.text.suggestions import advice, did_you_mean, nearest
 from wsgen.text.xmltree import children
 

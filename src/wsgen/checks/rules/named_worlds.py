@@ -14,8 +14,7 @@ from wsgen.launching.explain_missing import (
     glued_package,
     where_written,
 )
-from wsgen.launching.known_packages import package_of
-from wsgen.launching.other_places import find_in_package, in_python
+from wsgen.launching.known_packages import find_in_package, in_python, package_of
 from wsgen.text.suggestions import MOST_LISTED, advice
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ import time
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from wsgen.launching.controller_spawner_options import OF_CONTROLLER, OF_SPAWNER
+from wsgen.launching.spawner_options import OF_CONTROLLER, OF_SPAWNER
 from wsgen.live.nodes.colors import colored
 from wsgen.live.nodes.signals import ignore_ends, raise_when_ended
 from wsgen.text.values import dataclass
@@ -23,7 +23,7 @@ from wsgen.text.values import dataclass
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from wsgen.launching.controller_spawner_options import Options
+    from wsgen.launching.spawner_options import ControllerOptions
     from wsgen.live.nodes.controller_services import ManagerClient
 
 UNSPAWN = "--unspawn"  # the first argument of an unspawner
@@ -88,7 +88,7 @@ def read_arguments(arguments: Sequence[str], files: Sequence[str] = ()) -> Order
     )
 
 
-def _parser(options: Options) -> argparse.ArgumentParser:
+def _parser(options: ControllerOptions) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="spawner", add_help=False, allow_abbrev=False)
     for names, default in options.items():
         kind: dict[str, Any] = {"default": default}

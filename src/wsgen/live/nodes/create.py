@@ -27,8 +27,7 @@ from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import String
 
 from wsgen.isolation.codec import encode
-from wsgen.launching.spawn_entity_arguments import NUMBERS
-from wsgen.launching.spawner_options import CREATE, SPAWN_ENTITY, read_flags
+from wsgen.launching.spawner_options import CREATE, NUMBERS, SPAWN_ENTITY, read_flags
 from wsgen.live.nodes.signals import ignore_ends, raise_when_ended
 from wsgen.live.nodes.simulator_client import SimulatorClient, SimulatorError
 from wsgen.model.transform import Pose

@@ -12,8 +12,8 @@ from wsgen.descriptions.xacro import expansion
 from wsgen.descriptions.xacro.result import Expansion
 from wsgen.isolation.child import set_environment
 from wsgen.launching import worker
-from wsgen.launching.commands_of_child import EVALUATE, EXPAND
 from wsgen.launching.expansions import Expansions
+from wsgen.launching.plain import EVALUATE, EXPAND
 from wsgen.launching.record import RECORD, CommandOutcome
 
 if TYPE_CHECKING:

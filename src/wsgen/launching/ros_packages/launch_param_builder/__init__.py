@@ -1,6 +1,6 @@
-"""See `wsgen.launching.parameter_builder`."""
+"""See `wsgen.launching.moveit_configs`."""
 
-from wsgen.launching.parameter_builder import (
+from wsgen.launching.moveit_configs import (
     ParameterBuilder,
     get_package_path,
     load_file,

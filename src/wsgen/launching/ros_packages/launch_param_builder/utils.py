@@ -1,6 +1,6 @@
-"""See `wsgen.launching.parameter_builder`."""
+"""See `wsgen.launching.moveit_configs`."""
 
-from wsgen.launching.parameter_builder import (
+from wsgen.launching.moveit_configs import (
     ParameterBuilderFileNotFoundError,
     raise_if_file_not_found,
 )
