@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 from wsgen.errors import WsgenError
 from wsgen.isolation.child import announce
 from wsgen.model.outcome import SceneView
-
 from wsgen.rendering.recording import Clip, Recorder, why_no_video
 from wsgen.rendering.render_items import subjects
 from wsgen.simulation.scene import DRAWING, RECORDING, NotDrawn, Picture

@@ -17,9 +17,8 @@ from wsgen.diagnostics import Severity, has_errors
 from wsgen.isolation.codec import decode
 from wsgen.isolation.parent import run_here
 from wsgen.isolation.result import Answered, Died
-from wsgen.model.outcome import summed_up
-from wsgen.model.sweep import Row
 from wsgen.model.behavior import Drive, Reach
+from wsgen.model.outcome import summed_up
 from wsgen.model.sweep import Column, Row, free_name
 from wsgen.model.transform import Pose
 from wsgen.pipeline.requests import ValidateRequest
