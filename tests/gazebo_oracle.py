@@ -175,7 +175,9 @@ def _of_link(link: Link, theirs: ET.Element, model: ET.Element) -> Iterator[str]
         yield "self_collide"
     if link.gravity != _is_true(theirs, "gravity", default=True):
         yield "gravity"
-    if link.velocity_decay != _number(theirs, "velocity_decay/linear", 0.0):
+    first = "velocity_decay[1]"  # of several, the first counts
+    decay = tuple(_number(theirs, f"{first}/{one}", 0.0) for one in ("linear", "angular"))
+    if link.velocity_decay != decay:
         yield "velocity_decay"
 
 

@@ -82,6 +82,11 @@ def crossing(*parts: str) -> str:
     )
 
 
+TURNED = robot(
+    *(WORLD, link("a", at="0.25 0.1 0"), link("b", at="0.25 0 0.2")),
+    joint("j", "world", "a", dynamics(0.3), axis="1 1 0", origin="rpy='0.3 0 0.5'"),
+    joint("k", "a", "b", dynamics(0.3), axis="0 1 2", origin="xyz='0.5 0 0' rpy='0 0.7 0'"),
+)
 SPRING = of("j", springStiffness=20, springReference=0.3)
 HELD = of("j", implicitSpringDamper="true")
 CASES = {
@@ -98,6 +103,9 @@ CASES = {
     "slide with friction": lift(limit(-2, 1) + dynamics(friction=5)),
     "slide with damping": lift(limit(-2, 1) + dynamics(20)),
     "damping of links": bar("", of("bar", dampingFactor=0.01)),
+    "damping of turned links": TURNED.replace(
+        "</robot>", of("a", dampingFactor=0.004) + of("b", dampingFactor=0.02) + "</robot>"
+    ),
     # Limits.
     "stop": bar(limit(-0.2, 0.5), kind="revolute"),
     "stop, damped": bar(limit(-0.2, 0.5) + dynamics(1), kind="revolute"),
@@ -118,11 +126,7 @@ CASES = {
     # Several joints.
     "two pendulums": two(dynamics(0.1), dynamics(0.1)),
     "two pendulums, damped": two(dynamics(0.5), dynamics(0.2, 0.1)),
-    "turned axes": robot(
-        *(WORLD, link("a", at="0.25 0.1 0"), link("b", at="0.25 0 0.2")),
-        joint("j", "world", "a", dynamics(0.3), axis="1 1 0", origin="rpy='0.3 0 0.5'"),
-        joint("k", "a", "b", dynamics(0.3), axis="0 1 2", origin="xyz='0.5 0 0' rpy='0 0.7 0'"),
-    ),
+    "turned axes": TURNED,
     "mimic": two(
         limit(-3, 3) + dynamics(0.5),
         limit(-3, 3) + dynamics(0.2) + "<mimic joint='j' multiplier='-1'/>",

@@ -20,6 +20,7 @@ from classic.joint_cases import CASES
 from classic.still_lifes import STILL_LIFES
 from classic.test_commands import COMMANDS
 from classic.worlds import ENGINES, SURFACES
+from wsgen.checks.rules.settings import SETTINGS
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping
@@ -46,14 +47,11 @@ def measured() -> str:
     robots = read("../robots.json")
     simulated = {name for name, one in robots.items() if "links" in one}
     stricter = test_classic_robots.STRICTER
-    surfaces = {
-        case: (tuple(NAMES) if engines == ENGINES else tuple(engines), why)
-        for case, (why, engines) in test_surfaces.DIFFERENT.items()
-    }
-    joints = {
-        case: ((engine,) if engine else tuple(NAMES), why)
-        for (case, engine), why in test_joints.DIFFERENT.items()
-    }
+    surfaces = {case: (engines, why) for case, (why, engines) in test_surfaces.DIFFERENT.items()}
+    joints: Different = {}
+    for (case, engine), why in test_joints.DIFFERENT.items():
+        engines, _ = joints.get(case, ((), ""))
+        joints[case] = ((*engines, engine) if engine else tuple(NAMES), why)
     rest = {
         case: (tuple(NAMES) if engines == ENGINES else tuple(engines), why)
         for case, (engines, why) in test_rest_poses.DIFFERENT.items()
@@ -122,6 +120,16 @@ def measured() -> str:
         "",
         *reasons(surfaces | rest | joints),
         "",
+        "Settings that not every engine follows; a run for Gazebo Classic names those that it has:",
+        "",
+        "| setting | there | followed by | named |",
+        "|---|---|---|---|",
+        *(
+            f"| {one.elements} | {one.in_gazebo} |"
+            f" {listed_engines(one.followed_by) or 'none'} | {one.matters or 'always'} |"
+            for one in SETTINGS
+        ),
+        "",
         "Driving, and by how much a turn or the way in a curve differs at most:",
         "",
         *(
@@ -138,7 +146,7 @@ def measured() -> str:
         ),
         "",
     ))  # fmt: skip
-    return re.sub(r"<\w+>", r"`\g<0>`", page)
+    return re.sub(r"(?<!`)<\w+>", r"`\g<0>`", page)
 
 
 def read(name: str) -> dict[str, Any]:

@@ -18,14 +18,18 @@ import pytest
 
 from classic.gazebo_classic import GazeboClassic, recorded_in, why_missing
 from classic.joint_cases import CASES
+from classic.worlds import not_followed
 from simulation.conftest import CLASSES
 from simulation.robots import VOID, spawned
 from wsgen.checks.rules.damping import unstable_damping
+from wsgen.checks.rules.settings import KINEMATIC, STOPS
 from wsgen.descriptions.urdf.lumping import lump
 from wsgen.descriptions.urdf.reader import read_urdf
+from wsgen.model.outcome import ENGINE_NAMES
 from wsgen.simulation.run import MODULES, missing_engines
 
 if TYPE_CHECKING:
+    from wsgen.checks.rules.settings import Setting
     from wsgen.model.robot import Robot
 
 RECORDED = Path(__file__).with_name("recorded") / "joints.json"
@@ -38,6 +42,14 @@ NEAR = 2e-3  # rad or m
 # Robots that move in another way, in all engines or in one, and why.
 EXPLICIT = "Gazebo applies what the place or speed before a step asks for: the joint explodes"
 IMPLICIT = "DART integrates springs implicitly, as in Gazebo Sim, which takes energy from them"
+
+
+def of_setting(case: str, setting: Setting) -> dict[tuple[str, str], str]:
+    """The differences of a case that a setting makes, as an entry of those below."""
+    why, engines = not_followed(setting)
+    return {(case, "" if len(engines) == len(ENGINE_NAMES) else one): why for one in engines}
+
+
 DIFFERENT = {
     ("too strong damping", ""): EXPLICIT,
     ("too stiff spring", ""): EXPLICIT,
@@ -45,9 +57,8 @@ DIFFERENT = {
     ("spring", "dart"): IMPLICIT,
     ("spring of a body in the air", "dart"): IMPLICIT,
     ("spring, implicit", ""): "Gazebo gives such a joint energy: a defect",
-    ("soft stop", ""): "wsgen reads no <stopErp> and <stopCfm>",
-    ("damping of links", ""): "wsgen does not use <dampingFactor>",
-    ("kinematic", ""): "wsgen does not read <kinematic>, with which a link stays where it is",
+    **of_setting("soft stop", STOPS),
+    **of_setting("kinematic", KINEMATIC),
 }
 CLASSIC = replace(VOID, simulator="classic")
 Positions = dict[str, list[float] | None]

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from classic.gazebo_classic import GazeboClassic, recorded_in, why_missing
-from classic.worlds import ENGINES, SURFACES, simulated, world_of
+from classic.worlds import ENGINES, SURFACES, not_followed, simulated, world_of
+from wsgen.checks.rules.settings import FRICTION_DIRECTION, MIN_DEPTH, SOFT
 
 if TYPE_CHECKING:
     from classic.worlds import Body
@@ -22,16 +23,14 @@ LIVE = ("mu 0.5 on 100, 45 degrees",)
 
 # What does not move as there, in these engines, and why.
 ONE_WAY = "dartpy has one coefficient for all directions"
-NO_DIRECTION = "<fdir1> is known in MuJoCo alone"
 DIFFERENT = {
     "mu 0.1 alone, down along 0 degrees": (ONE_WAY, ("dart",)),
     "mu 0.5, mu2 0.1, down along 0 degrees": (ONE_WAY, ("dart",)),
     "mu 0.5, mu2 0.1, down along 45 degrees": (ONE_WAY, ("dart",)),
-    "fdir1, mu 0.5, mu2 0.1, down along 90 degrees": (NO_DIRECTION, ("bullet", "dart")),
-    "rests on a soft surface": ("kp and kd are not simulated: it sinks there", ENGINES),
-    "falls, with velocity decay": ("its speed loses that share in each step there", ENGINES),
+    "fdir1, mu 0.5, mu2 0.1, down along 90 degrees": not_followed(FRICTION_DIRECTION),
+    "rests on a soft surface": not_followed(SOFT),
     "5 mm deep": ("DART pushes it out more slowly", ("dart",)),
-    "5 mm deep, with min_depth": ("<min_depth> is not simulated", ENGINES),
+    "5 mm deep, with min_depth": not_followed(MIN_DEPTH),
 }
 # The real one slips by some millimeters where friction should hold it.
 SAME_HEIGHT = 0.0001  # m

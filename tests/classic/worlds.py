@@ -5,22 +5,32 @@ from __future__ import annotations
 import importlib
 import math
 from contextlib import closing
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from simulation.conftest import CLASSES
+from wsgen.checks.rules.settings import without
 from wsgen.descriptions.sdf.models import read_sdf
+from wsgen.model.outcome import ENGINE_NAMES
 from wsgen.simulation.run import MODULES, missing_engines
 from wsgen.simulation.scene import SpawnedRobot
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from wsgen.checks.rules.settings import Setting
     from wsgen.model.transform import Vector
 
 ENGINES = [name for name in MODULES if not missing_engines([name])]
 BOX = "<box><size>0.4 0.4 0.1</size></box>"
 SPHERE = "<sphere><radius>0.1</radius></sphere>"
 GRAVITY = 9.8  # m/s²
+
+
+def not_followed(setting: Setting) -> tuple[str, tuple[str, ...]]:
+    """Why engines differ from Gazebo Classic where a setting is, and which."""
+    elements = setting.elements.replace("`", "")
+    return f"with {elements}, {setting.in_gazebo} there", without(setting, ENGINE_NAMES)
 
 
 class Body(NamedTuple):
@@ -142,10 +152,11 @@ def simulated(one: Body, engine: str, folder: Path) -> tuple[Vector, Vector]:
     file.write_text(world_of(one), encoding="utf-8")
     read = read_sdf(file, find_model=lambda _: None)
     assert read.world is not None
+    classic = replace(read.world, simulator="classic")
     module = importlib.import_module(f"wsgen.simulation.{engine}")
     (model,) = read.models
     assert model.robot is not None
-    with closing(getattr(module, CLASSES[engine])(read.world)) as world:
+    with closing(getattr(module, CLASSES[engine])(classic)) as world:
         world.spawn(
             SpawnedRobot(entity="body", robot=model.robot, pose_in_world=model.pose_in_world)
         )

@@ -192,8 +192,8 @@ def test_flags_and_tags(read: Read) -> None:
         )
     )
     a, b = robot.links
-    assert (a.gravity, a.self_collide, a.velocity_decay) == (False, False, 0.1)
-    assert (b.gravity, b.self_collide, b.velocity_decay) == (True, True, 0.0)
+    assert (a.gravity, a.self_collide, a.velocity_decay) == (False, False, (0.1, 0.0))
+    assert (b.gravity, b.self_collide, b.velocity_decay) == (True, True, (0.0, 0.0))
     assert [tag.plugins[:1] for tag in robot.gazebo] == [
         (Plugin("libdrive.so", {"left": ("l",)}, "p", 2),),
         (),

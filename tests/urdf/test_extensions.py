@@ -47,7 +47,7 @@ def test_surface_and_flags() -> None:
     assert a.collisions[0].surface == Surface(
         mu1=0.2, mu2=0.3, kp=1e6, kd=2, min_depth=0.001, max_contacts=4
     )
-    assert (a.self_collide, a.gravity, a.velocity_decay) == (True, False, 0.1)
+    assert (a.self_collide, a.gravity, a.velocity_decay) == (True, False, (0.1, 0.1))
     assert made.is_static
 
 
@@ -75,7 +75,7 @@ def test_what_no_engine_could_use_is_left_out(text: str) -> None:
         + about("a", f"<mu1>{text}</mu1><kp>{text}</kp><dampingFactor>{text}</dampingFactor>")
     )
     (a,) = made.links
-    assert (a.collisions[0].surface, a.velocity_decay) == (Surface(), 0.0)
+    assert (a.collisions[0].surface, a.velocity_decay) == (Surface(), (0.0, 0.0))
 
 
 def test_a_name_of_its_own_keeps_the_values_from_a_collision() -> None:

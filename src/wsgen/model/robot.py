@@ -242,8 +242,9 @@ class Link:
     collisions: tuple[Collision, ...] = ()
     self_collide: bool = False
     gravity: bool = True
-    # The share of its speeds that it loses in each step; only Gazebo Classic applies it.
-    velocity_decay: float = 0.0
+    is_kinematic: bool = False  # it stays where it is, in Gazebo Classic alone
+    # The shares of speed and turning that it loses in each step, in Gazebo Classic alone.
+    velocity_decay: tuple[float, float] = (0.0, 0.0)
     is_as_meant: bool = True  # if not, a part of it was not understood, which has been reported
     has_error: bool = False  # one is reported; others may follow from it
     line: int | None = None  # of the element in the URDF text, 1-based
@@ -258,6 +259,9 @@ class JointLimit:
     effort: float = 0.0  # below 0: without bound, as SDF has it
     velocity: float = 0.0  # likewise
     line: int | None = field(default=None, compare=False)  # of the element, 1-based
+
+
+STOP = (0.2, 0.0)  # see `Joint.stop`; Gazebo's own
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -285,6 +289,9 @@ class Joint:
     friction: float = 0.0  # N m or N
     spring_stiffness: float = 0.0  # N m/rad or N/m
     spring_reference: float = 0.0  # rad or m, where the spring is at rest
+    # Of its stops in Gazebo Classic, if that is said: what share of the way beyond a limit goes in
+    # a step (ERP), and by how much they give way (CFM), m/s per N or rad/s per N m.
+    stop: tuple[float, float] | None = None
     mimic: Mimic | None = None
     is_held: bool = False  # Gazebo's plugin for ros2_control keeps it where it is
     line: int | None = None  # of the element in the URDF text, 1-based

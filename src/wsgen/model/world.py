@@ -43,6 +43,7 @@ class World:
     file: Path | None = None  # None: the empty world that wsgen supplies
     gravity: tuple[float, float, float] = (0.0, 0.0, -9.8)  # m/s²
     step: float = 0.001  # s, of the physics engine
+    iterations: tuple[int | None, int | None] = (None, None)  # of ODE's solver, and their line
     models: tuple[PlacedModel, ...] = ()
     has_ground_plane: bool = False  # a plane at z = 0 that carries the robots
     ground_friction: float = 1.0  # its coefficient; of it and the other one, the smaller counts

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.checks.rules.friction import NO_FRICTION_DIRECTION
 from wsgen.checks.rules.ros2_control import INCOMPLETE_CONTROL
+from wsgen.checks.rules.settings import SETTING_NOT_SIMULATED
 from wsgen.descriptions.rules import (
     MISSING_COLLISION_MESH,
     MISSING_VISUAL_MESH,
@@ -86,6 +87,8 @@ OF_SIMULATION = frozenset(
 def without_simulation(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
     """What is left out of a simulation, or is there with other arguments of xacro, is a note."""
     for found in diagnostics:
+        if found.code == SETTING_NOT_SIMULATED.code:
+            continue  # nothing is simulated
         if found.code in OF_SIMULATION or _has_other_hardware(found):
             yield replace(found, severity=Severity.INFO)
         else:

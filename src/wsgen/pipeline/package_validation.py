@@ -17,6 +17,7 @@ from wsgen.checks.rules.named_worlds import (
     unknown_world,
     world_not_here,
 )
+from wsgen.checks.rules.settings import iterations_not_simulated
 from wsgen.descriptions.sdf.lookup import find_world, is_brought_along, is_there
 from wsgen.descriptions.sdf.source import is_sdf
 from wsgen.descriptions.sdf.worlds import default_world
@@ -193,6 +194,9 @@ class Validation:
             self.diagnostics += self._as_written(lacking)
         for robot in (*models, *prepared):
             self.diagnostics += friction_without_direction(robot.lumped, self.request.engines)
+        self.diagnostics += iterations_not_simulated(
+            world, (robot.drive for robot in prepared), context.engines
+        )
         robots = [*without_taken(models, [robot.entity for robot in prepared]), *prepared]
         return replace(world, simulator=self.simulator_kind), robots
 
@@ -210,6 +214,7 @@ class Validation:
             run=self.run_task,
             with_colors=self.request.is_drawn or self._has_cameras(started),
             with_devices=self.request.is_live,
+            engines=self.request.engines if self.simulator_kind == "classic" else (),
             known=self.known,
         ), environment
 

@@ -21,6 +21,7 @@ from wsgen.checks.rules.robot_files import (
     uncalled_macros,
     unprefixed_xacro,
 )
+from wsgen.checks.rules.settings import settings_not_simulated
 from wsgen.descriptions.meshes.inspection import inspect_meshes
 from wsgen.descriptions.meshes.lookup import find_meshes
 from wsgen.descriptions.meshes.shape_meshes import build_shapes
@@ -120,6 +121,7 @@ class PrepareContext:
     run: Run  # starts the child process that reads meshes
     with_colors: bool = False  # also read what meshes look like, for a picture
     with_devices: bool = False  # also read their sensors and plugins, for a live run
+    engines: Sequence[str] = ()  # that simulate it as Gazebo Classic; what they lack is reported
     known: KnownRobots | None = None  # that were prepared before; None: each is prepared
 
 
@@ -194,7 +196,8 @@ def _prepare(
         readable, lumped, more = _as_in_gazebo(written, file, context)
         found, more = _at_the_misspelling(found, more)
         checked = check_robot(readable, file, in_gazebo=lumped, simulator=simulator, distro=distro)
-        found = _first_of_each_inertial((*found, *more, *checked))
+        lacking = settings_not_simulated(written, lumped, file, context.engines)
+        found = _first_of_each_inertial((*found, *more, *checked, *lacking))
         found = tuple(for_simulator(found, simulator, distro))
         prepared = PreparedRobot(
             entity=written.name,
@@ -537,7 +540,10 @@ def prepare_models(
     turning = (
         one
         for model, robot in zip(models, robots, strict=True)
-        for one in turning_friction(robot, robot, model.file)
+        for one in (
+            *turning_friction(robot, robot, model.file),
+            *settings_not_simulated(robot, robot, model.file, context.engines),
+        )
     )
     more += tuple(dict.fromkeys(turning))  # a file may be included several times
     can_run = is_static_model or not keeps_out((*found.diagnostics, *more))

@@ -32,7 +32,7 @@ from wsgen.model.transform import (
 )
 from wsgen.simulation.bullet_contacts import contact_masses, spring_of
 from wsgen.simulation.contact_shapes import inner_apart, one_friction_a_link
-from wsgen.simulation.engine import may_touch
+from wsgen.simulation.engine import decays, may_touch
 from wsgen.simulation.stiffness import STRONGEST, is_stiff, stiffness_to_simulate
 from wsgen.simulation.urdf_writer import write_urdf
 from wsgen.text.values import dataclass
@@ -393,6 +393,9 @@ class BulletBody:
             for link in self.tree.links
             if not link.gravity and link.inertial is not None and not tree.is_static
         ]
+        self._decays = [
+            (self.indices[link], *shares) for link, shares in decays(tree, world).items()
+        ]
 
     def _number_parts(self) -> dict[str, int]:
         """PyBullet's indices of the parts; every part has one joint above it, and its index."""
@@ -472,7 +475,7 @@ class BulletBody:
     @property
     def pulls(self) -> bool:
         """Whether `pull` must be called before every step."""
-        return bool(self._springs or self._weightless or self._torques)
+        return bool(self._springs or self._weightless or self._torques or self._decays)
 
     def drive(self, motors: Mapping[str, Motor]) -> None:
         """Put motors into those of the joints that are in this tree."""
@@ -566,7 +569,7 @@ class BulletBody:
     def pull(self, gravity: Vector) -> None:
         """For the next step, apply what PyBullet forgets or has no notion of.
 
-        That are efforts, springs and missing gravity.
+        That are efforts, springs, missing gravity and lost speed.
         """
         client = self._client
         if self._torques:
@@ -589,6 +592,16 @@ class BulletBody:
             center = self._center(index)
             lift = tuple(-mass * part for part in gravity)
             client.applyExternalForce(self.number, index, lift, center.xyz, client.WORLD_FRAME)
+        for index, linear_share, angular_share in self._decays:
+            mass, moments = self._dynamics[index][0], self._dynamics[index][2]
+            center, linear, angular = self._motion(index)
+            rotation = rotation_of_rpy(center.rpy)
+            x, y, z = rotate(transpose(rotation), angular)
+            momentum = rotate(rotation, (moments[0] * x, moments[1] * y, moments[2] * z))
+            force = _scaled(linear, -linear_share * mass / self._step_seconds)
+            torque = _scaled(momentum, -angular_share / self._step_seconds)
+            client.applyExternalForce(self.number, index, force, center.xyz, client.WORLD_FRAME)
+            client.applyExternalTorque(self.number, index, torque, client.WORLD_FRAME)
 
     def push(self, link: str, force: Vector) -> None:
         """For the next step, apply a force (N, in the world) to a link, if it is in this tree."""

@@ -34,6 +34,7 @@ from wsgen.simulation.engine import (
     State,
     Touch,
     contacts_of,
+    decays,
     deepest_overlaps,
     look_at,
     may_touch,
@@ -85,6 +86,7 @@ class DartBody:
         self._pose_of_world = IDENTITY  # seen from the world, of a root that is the world
         self._speeds: dict[str, float] = {}  # rad/s or m/s, of the motors, by joint
         self._efforts: dict[str, float] = {}  # N m or N, by joint
+        self.decays: dict[str, tuple[float, float]] = {}  # see `engine.decays`
         self._held: set[str] = set()  # joints that stay where they are, unless they are driven
         self._fixed: list[tuple[Any, Pose]] = []  # of what is fixed to the world, likewise
         for tree, pose_in_robot in split_trees(robot):
@@ -252,6 +254,17 @@ class DartBody:
         joint.setForceLowerLimit(0, -math.inf)
         joint.setForceUpperLimit(0, math.inf)
 
+    def decay(self, step_seconds: float) -> None:
+        """For the next step, apply what takes a share of speeds away."""
+        for link, shares in self.decays.items():
+            node = self.nodes[link]
+            linear, angular = (share / step_seconds for share in shares)
+            center, turn = node.getLocalCOM(), node.getWorldTransform().rotation()
+            turning = node.getInertia().getMoment() @ turn.T @ node.getAngularVelocity()
+            force = -linear * node.getMass() * node.getCOMLinearVelocity()
+            node.addExtForce(force, center, False, True)
+            node.addExtTorque(-angular * turn @ turning, False)
+
     def command(self) -> None:
         """Give the motors their speeds and efforts for the next step; DART forgets commands."""
         for name, speed in self._speeds.items():
@@ -345,7 +358,7 @@ class DartEngine:
 
     def __init__(self, world: World) -> None:
         self.step_seconds = world.step
-        self._is_classic = world.is_classic
+        self._described = world
         self._robots: dict[str, DartBody] = {}
         self._driven: dict[str, DartBody] = {}  # those with motors
         self._movable: dict[str, DartBody] = {}  # those that time can move
@@ -382,6 +395,7 @@ class DartEngine:
         if not model.links:
             return Refused("no link of it has mass")
         body = DartBody(model, robot.pose_in_world, robot.entity)
+        body.decays = decays(model, self._described)
         if body.unread:
             return Refused(f"it cannot read the mesh {body.unread[0]}")
         self._world.addSkeleton(body.skeleton)
@@ -399,7 +413,7 @@ class DartEngine:
         """Let only those links touch each other that touch each other in Gazebo."""
         if not body.skeleton.isEnabledSelfCollisionCheck():
             return
-        touching = may_touch(body.robot, is_one_enough=self._is_classic)
+        touching = may_touch(body.robot, is_one_enough=self._described.is_classic)
         apart = self._world.getConstraintSolver().getCollisionOption().collisionFilter
         for one, other in combinations(body.nodes, 2):
             if frozenset((one, other)) not in touching:
@@ -593,6 +607,7 @@ class DartEngine:
 
     def advance(self, steps: int) -> None:
         """Let time pass."""
+        slowing = [body for body in self._movable.values() if body.decays]
         for _ in range(steps):
             for entity, body in tuple(self._movable.items()):
                 positions = body.skeleton.getPositions()  # m, and rad, but that is quick
@@ -601,6 +616,8 @@ class DartEngine:
             for body in self._driven.values():
                 body.command()
             self._has_stepped = True
+            for body in slowing:
+                body.decay(self.step_seconds)
             for (entity, link), force in self._pushes.items():
                 node = self._robots[entity].nodes.get(link)
                 if node is not None:  # DART forgets forces, too

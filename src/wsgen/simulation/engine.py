@@ -281,6 +281,21 @@ def limit_share(world: World) -> float:
     return 0.2 if world.is_classic else 0.01
 
 
+def decays(robot: Robot, world: World) -> dict[str, tuple[float, float]]:
+    """The shares of speed and turning that links lose after each step, by name.
+
+    ODE takes them off before the joints pull in the next step. That is what a force does then which
+    would take as much off a free body.
+    """
+    if robot.is_static or not world.is_classic:
+        return {}
+    return {
+        link.name: link.velocity_decay
+        for link in robot.links
+        if any(link.velocity_decay) and link.inertial is not None
+    }
+
+
 def deepest_overlaps(
     found: Iterable[tuple[Place, Place, float]], robots: Mapping[str, Robot]
 ) -> list[Overlap]:

@@ -110,6 +110,7 @@ class MujocoEngine:
         self._model = self._spec.compile()
         self._data = library.MjData(self._model)
         self._friction = TwoWayFriction(self._model, ())
+        self._stops: dict[int, tuple[float, float]] = {}  # see `MujocoBody.stops`
 
     def spawn(self, robot: SpawnedRobot) -> Loaded | Refused:
         """Put a robot into the world, at rest, its joints passive."""
@@ -170,7 +171,12 @@ class MujocoEngine:
                 geom = shape.geom
                 bits = geom.conaffinity & ~GROUND_BIT if is_below else geom.conaffinity
                 self._model.geom_conaffinity[geom.id] = bits
-        self._friction = TwoWayFriction(self._model, self._robots.values())
+        self._friction = TwoWayFriction(
+            self._model, self._robots.values(), is_classic=self._world.is_classic
+        )
+        self._stops = {}
+        for body in self._robots.values():
+            self._stops |= body.stops
 
     def _set_motors(self) -> None:
         losses, speeds = self._model.dof_frictionloss, np.zeros(self._model.nv)
@@ -303,6 +309,7 @@ class MujocoEngine:
 
     def advance(self, steps: int) -> None:
         """Let time pass; overlapping bodies are pushed apart no faster than the bound."""
+        slowing = [body for body in self._robots.values() if body.slows_down]
         while steps > 0:
             now = steps
             if self._triangles:
@@ -313,6 +320,10 @@ class MujocoEngine:
                 self._bound_separation()
             for _ in range(now):
                 library.mj_step1(self._model, self._data)
+                if slowing:
+                    self._set_pushes()
+                    for body in slowing:
+                        body.decay(self._model, self._data)
                 self._friction.turn(self._model, self._data)
                 self._correct()
                 library.mj_step2(self._model, self._data)
@@ -368,12 +379,30 @@ class MujocoEngine:
         data, speeds = self._data, self._speeds
         if len(speeds):
             data.efc_aref[: len(speeds)] += data.efc_KBIP[: len(speeds), 1] * speeds
+        if self._stops and data.nl:
+            self._soften_stops()
         if data.ncon:
             aims = data.efc_aref[data.ne + data.nf + data.nl :].reshape(-1, 4)
             gained = np.zeros(len(data.efc_aref))
             library.mj_mulJacVec(self._model, data, gained, data.qacc_warmstart)
             slips = aims - gained[data.ne + data.nf + data.nl :].reshape(-1, 4)
             aims -= np.abs(slips[:, ::2] - slips[:, 1::2]).max(axis=1, keepdims=True) / 2
+
+    def _soften_stops(self) -> None:
+        """Have stops give way as those of ODE, where the description says how.
+
+        ODE's have, after a step, a speed of ERP times the way beyond the limit in a step, less CFM
+        times the force that it takes.
+        """
+        data, step = self._data, self.step_seconds
+        for row in range(data.ne + data.nf, data.ne + data.nf + data.nl):
+            stop = self._stops.get(int(data.efc_id[row]))
+            if stop is None or data.efc_type[row] != library.mjtConstraint.mjCNSTR_LIMIT_JOINT:
+                continue
+            share, softness = stop
+            data.efc_aref[row] = (-share / step * data.efc_pos[row] - data.efc_vel[row]) / step
+            if softness > 0:
+                data.efc_R[row], data.efc_D[row] = softness / step, step / softness
 
     def _surround(self) -> None:
         """Have the static triangles in the model that are near what moves."""

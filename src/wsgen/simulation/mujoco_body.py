@@ -25,7 +25,7 @@ from wsgen.model.kinematics import split_trees
 from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere
 from wsgen.model.transform import Pose, compose, quaternion_of_rpy, rotation_of_rpy, rpy_of_rotation
 from wsgen.simulation.contact_shapes import box_around, inner_collisions
-from wsgen.simulation.engine import limit_share, may_touch
+from wsgen.simulation.engine import decays, limit_share, may_touch
 from wsgen.simulation.stiffness import STRONGEST, stiffness_to_simulate
 from wsgen.simulation.surfaces import there, triangles_of
 
@@ -150,6 +150,7 @@ class MujocoBody:
         self._meshes: list[Any] = []
         self._spec, self._name, self.bit = spec, name, bit
         self._step, self._world = world.step, world
+        self._decays = decays(robot, world)
         self._meets_own = bit > ROBOT_BITS // 2 or any(link.self_collide for link in robot.links)
         for tree, pose_in_robot in split_trees(robot):
             self._add_tree(tree, pose_in_robot)
@@ -300,6 +301,34 @@ class MujocoBody:
             else:
                 data.qpos[at] = 0.0
             data.qvel[dofs] = data.qacc_warmstart[dofs] = 0.0
+
+    @property
+    def stops(self) -> dict[int, tuple[float, float]]:
+        """What ODE has of the stops of joints in Gazebo Classic, by MuJoCo's number."""
+        if not self._world.is_classic:
+            return {}
+        said = ((joint.name, joint.stop) for joint in self.robot.movable_joints)
+        return {
+            self.joints[name].id: stop
+            for name, stop in said
+            if stop is not None and name in self.joints
+        }
+
+    def decay(self, model: Any, data: Any) -> None:
+        """Add to the forces of the next step what takes a share of speeds away."""
+        for link, shares in self._decays.items():
+            number, velocity = self.bodies[link].id, np.zeros(6)
+            mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_BODY, number, velocity, 0)
+            linear, angular = (share / self._step for share in shares)
+            axes = data.ximat[number].reshape(3, 3)
+            momentum = axes @ (model.body_inertia[number] * (axes.T @ velocity[:3]))
+            data.xfrc_applied[number, :3] -= linear * model.body_mass[number] * velocity[3:]
+            data.xfrc_applied[number, 3:] -= angular * momentum
+
+    @property
+    def slows_down(self) -> bool:
+        """Whether `decay` does anything."""
+        return bool(self._decays)
 
     def motors_of(self) -> Iterator[tuple[Any, float, float]]:
         """The joints that something resists, how strongly (N m or N), and at what speed.

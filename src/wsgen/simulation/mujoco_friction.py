@@ -20,7 +20,7 @@ from wsgen.model.transform import rotation_of_rpy
 from wsgen.simulation.mujoco_body import MOST_FRICTION, library
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Collection
 
     from numpy.typing import NDArray
 
@@ -34,7 +34,9 @@ NEXT, LAST = [1, 2, 0], [2, 0, 1]
 class TwoWayFriction:
     """The friction of the shapes of a model."""
 
-    def __init__(self, model: Any, bodies: Iterable[MujocoBody]) -> None:
+    def __init__(
+        self, model: Any, bodies: Collection[MujocoBody], *, is_classic: bool = False
+    ) -> None:
         self._directions = np.zeros((model.ngeom, 3))  # in the frame of a body; zero: none
         self._bodies = np.zeros(model.ngeom, dtype=int)
         self._first = np.clip(model.geom_friction[:, 0], LEAST, MOST_FRICTION)
@@ -57,6 +59,11 @@ class TwoWayFriction:
         self._is_directed = is_directed
         self._is_uneven = is_directed | (self._first != self._second)
         self._has_some = bool(self._is_uneven.any())
+        self._min_depths = np.zeros(model.ngeom)  # m, of contacts that nothing pushes out
+        for body in bodies if is_classic else ():
+            for shape in body.shapes:
+                self._min_depths[shape.geom.id] = shape.collision.surface.min_depth or 0.0
+        self._has_depths = bool((self._min_depths > 0.0).any())
 
     def turn(self, model: Any, data: Any) -> None:
         """Turn the pyramids of the contacts of this step, and make its constraints again."""
@@ -68,6 +75,9 @@ class TwoWayFriction:
         if self._has_some:
             second = first.copy()
             self._direct(data, second)
+        if self._has_depths:
+            depths = self._min_depths[contacts.geom] * (contacts.geom >= 0)
+            contacts.dist[:] = np.minimum(contacts.dist + depths.max(axis=1), 0.0)
         across, along = first[:, None] * frames[:, 3:6], second[:, None] * frames[:, 6:]
         frames[:, 3:6], frames[:, 6:] = across + along, across - along
         frictions[:, :2] = 1.0

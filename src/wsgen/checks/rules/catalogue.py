@@ -97,6 +97,7 @@ MODULES = (
     "wsgen.checks.rules.robots",
     "wsgen.checks.rules.ros2_control",
     "wsgen.checks.rules.runs",
+    "wsgen.checks.rules.settings",
     "wsgen.checks.rules.simulators",
     "wsgen.checks.rules.systems",
     "wsgen.checks.rules.worlds",

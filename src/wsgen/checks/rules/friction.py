@@ -9,6 +9,7 @@ import math
 import operator
 from typing import TYPE_CHECKING
 
+from wsgen.checks.rules.settings import FRICTION_DIRECTION, without
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.outcome import name_engines
 from wsgen.model.robot import JointType
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from wsgen.model.robot import Collision, Link, Robot, Surface
     from wsgen.model.transform import Vector
 
-WITH_DIRECTIONS = ("mujoco",)  # engines
 ROLLERS = 0.5  # times the larger coefficient
 ALONG = 0.999  # the cosine between two directions that are one
 ACROSS = math.sqrt(1 - ALONG**2)  # the cosine between two that are at right angles
@@ -111,19 +111,19 @@ NO_FRICTION_DIRECTION = Rule(
 
 def friction_without_direction(robot: Robot, engines: Sequence[str]) -> Iterator[Diagnostic]:
     """Report a robot as Gazebo has it, whose wheels grip in one direction, for such engines."""
-    without = [engine for engine in engines if engine not in WITH_DIRECTIONS]
+    lacking = without(FRICTION_DIRECTION, engines)
     wheels = [
         link.name
         for link, _ in _wheels(robot)
         if any(_is_directed(collision.surface) for collision in link.collisions)
     ]
-    if without and wheels:
+    if lacking and wheels:
         more = f" and {len(wheels) - 1} more" if len(wheels) > 1 else ""
         wheels_have = "have" if more else "has"
-        has = "has" if len(without) == 1 else "have"
+        has = "has" if len(lacking) == 1 else "have"
         yield NO_FRICTION_DIRECTION.at(
             None,
-            message=f"{name_engines(without)} {has} no friction directions (<fdir1>), which "
+            message=f"{name_engines(lacking)} {has} no friction directions (<fdir1>), which "
             f"`{wheels[0]}`{more} of `{robot.name}` {wheels_have}: the robot does not drive "
             "sideways.",
             hint="Simulate it with --engine mujoco (pip install 'wsgen[mujoco]').",

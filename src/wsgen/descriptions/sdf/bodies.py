@@ -202,7 +202,8 @@ def read_body(includes: Includes, node: Node, name: str) -> Body:
         collisions=collisions,
         self_collide=truth(source, element, "self_collide", default=node.scope.self_collide),
         gravity=truth(source, element, "gravity", default=True),
-        velocity_decay=max(
+        is_kinematic=truth(source, element, "kinematic", default=False),
+        velocity_decay=(
             number(source, element, "velocity_decay", "linear", default=0.0),
             number(source, element, "velocity_decay", "angular", default=0.0),
         ),

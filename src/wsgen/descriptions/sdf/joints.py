@@ -16,7 +16,7 @@ from wsgen.descriptions.sdf.frames import MODEL_FRAME, WORLD, frame_called, link
 from wsgen.descriptions.sdf.source import MODEL_FRAME_AXES, POSE_FRAMES, line_of
 from wsgen.descriptions.sdf.values import TRUTH, first, number, triple, word
 from wsgen.diagnostics import Rule, Severity
-from wsgen.model.robot import Joint, JointLimit, JointType, Mimic
+from wsgen.model.robot import STOP, Joint, JointLimit, JointType, Mimic
 from wsgen.model.transform import UNIT, multiply, rotate, rotation_of_rpy, transpose
 from wsgen.text.suggestions import did_you_mean, nearest
 
@@ -140,6 +140,11 @@ def read_joint(
         name: 0.0 if axis is None else number(source, axis, "dynamics", name, default=0.0)
         for name in ("damping", "friction", "spring_stiffness", "spring_reference")
     }
+    place = ("physics", "ode", "limit")
+    stop = (
+        number(source, element, *place, "erp", default=STOP[0]),
+        number(source, element, *place, "cfm", default=STOP[1]),
+    )
     return Joint(
         name=names[0],
         type=kind,
@@ -148,6 +153,7 @@ def read_joint(
         pose_in_parent=pose_in_parent,
         axis_in_joint=DEFAULT_AXIS if axis is None else _axis(node, axis, poses),
         limit=limit,
+        stop=None if stop == STOP else stop,
         mimic=None if axis is None else _mimic(source, axis),
         line=line_of(element),
         **dynamics,

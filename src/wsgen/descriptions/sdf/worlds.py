@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.descriptions.sdf.includes import GROUND_PLANE, GROUND_PLANE_FRICTION, SUN, is_sun
+from wsgen.descriptions.sdf.source import line_of
 from wsgen.descriptions.sdf.values import first, read_numbers, read_pose, triple, truth, word
 from wsgen.diagnostics import Rule, Severity
 from wsgen.gazebo.plugins import carries
@@ -153,6 +154,7 @@ def describe_world(
         file=source.file,
         gravity=_gravity(source, element),
         step=_step(source, element),
+        iterations=_iterations(source, element),
         models=tuple(models),
         has_ground_plane=ground_friction is not None,
         ground_friction=DEFAULT_WORLD.ground_friction
@@ -202,6 +204,16 @@ def _gravity(source: Source, world: Element) -> tuple[float, float, float]:
                 )
             return (numbers[0], numbers[1], numbers[2])
     return DEFAULT_WORLD.gravity
+
+
+def _iterations(source: Source, world: Element) -> tuple[int | None, int | None]:
+    """Of ODE's solver in one step, if that is said, and the line."""
+    for physics in children(world, "physics"):
+        element = first(physics, "ode", "solver", "iters")
+        numbers = None if element is None else read_numbers(source, element, 1)
+        if element is not None and numbers:
+            return int(numbers[0]), line_of(element)
+    return None, None
 
 
 def _step(source: Source, world: Element) -> float:

@@ -27,7 +27,15 @@ from wsgen.descriptions.urdf.values import (
     without_commas,
 )
 from wsgen.diagnostics import Rule, Severity
-from wsgen.model.robot import GAZEBO_COLORS, GazeboTag, Plugin, SdfJoint, Sensor, Surface
+from wsgen.model.robot import (
+    GAZEBO_COLORS,
+    STOP,
+    GazeboTag,
+    Plugin,
+    SdfJoint,
+    Sensor,
+    Surface,
+)
 from wsgen.text.suggestions import did_you_mean, nearest
 from wsgen.text.xmltree import child_text, child_texts, children, gz_attribute
 
@@ -68,6 +76,7 @@ NUMERIC = frozenset(
         *("springReference", "springStiffness", "stopCfm", "stopErp", "fudgeFactor"),
     )
 )
+OF_SPRINGS_AND_STOPS = ("springStiffness", "springReference", "stopErp", "stopCfm")
 SDF_NUMERIC = frozenset(
     (
         *("velocity_decay/linear", "velocity_decay/angular", "collision/max_contacts"),
@@ -494,15 +503,21 @@ def collides_with_itself(tags: Iterable[GazeboTag]) -> bool:
     )
 
 
-def with_springs(joint: Joint, tags: Iterable[GazeboTag]) -> Joint:
-    """The joint with the spring that the tags about it give it; the last one counts."""
-    stiffness, reference = joint.spring_stiffness, joint.spring_reference
+def with_springs_and_stops(joint: Joint, tags: Iterable[GazeboTag]) -> Joint:
+    """The joint with the spring and stops that the tags about it give it; the last one counts."""
+    said: dict[str, float] = {}
     for tag in tags:
-        said = _finite(tag.values.get("springStiffness"))
-        stiffness = stiffness if said is None else said
-        said = _finite(tag.values.get("springReference"))
-        reference = reference if said is None else said
-    return replace(joint, spring_stiffness=stiffness, spring_reference=reference)
+        numbers = ((key, _finite(tag.values.get(key))) for key in OF_SPRINGS_AND_STOPS)
+        said |= {key: number for key, number in numbers if number is not None}
+    if not said:
+        return joint
+    stop = (said.get("stopErp", STOP[0]), said.get("stopCfm", STOP[1]))
+    return replace(
+        joint,
+        spring_stiffness=said.get("springStiffness", joint.spring_stiffness),
+        spring_reference=said.get("springReference", joint.spring_reference),
+        stop=None if stop == STOP else stop,
+    )
 
 
 def with_extensions(link: Link, tags: Sequence[GazeboTag], *, self_collide: bool) -> Link:
@@ -521,6 +536,7 @@ def with_extensions(link: Link, tags: Sequence[GazeboTag], *, self_collide: bool
         gravity=gravity[0] if gravity else link.gravity,
         self_collide=collide[0] if collide else link.self_collide or self_collide,
         velocity_decay=decay[0] if decay else link.velocity_decay,
+        is_kinematic=any(tag.values.get("kinematic", "").lower() in TRUTHS for tag in tags),
         collisions=tuple(
             _with_surface(collision, _meant(link, collision.name, "_collision", index, about))
             for index, collision in enumerate(link.collisions)
@@ -532,7 +548,9 @@ def with_extensions(link: Link, tags: Sequence[GazeboTag], *, self_collide: bool
     )
 
 
-def _flags(tags: Iterable[GazeboTag]) -> tuple[list[bool], list[bool], list[float]]:
+def _flags(
+    tags: Iterable[GazeboTag],
+) -> tuple[list[bool], list[bool], list[tuple[float, float]]]:
     """The elements <gravity>, <self_collide> and <velocity_decay> that the link gets.
 
     A key takes the place of the first such element there is, and goes to the end; copied SDF comes
@@ -540,7 +558,7 @@ def _flags(tags: Iterable[GazeboTag]) -> tuple[list[bool], list[bool], list[floa
     """
     gravity: list[bool] = []
     collide: list[bool] = []
-    decay: list[float] = []
+    decay: list[tuple[float, float]] = []
     for tag in tags:
         values = tag.values
         if "turnGravityOff" in values:
@@ -548,14 +566,17 @@ def _flags(tags: Iterable[GazeboTag]) -> tuple[list[bool], list[bool], list[floa
         if "selfCollide" in values:
             collide = [*collide[1:], is_true(values["selfCollide"])]
         if "dampingFactor" in values:
-            decay.append(_finite(values["dampingFactor"]) or 0.0)
+            decay.append((_finite(values["dampingFactor"]) or 0.0,) * 2)
         if "gravity" in values:
             gravity.append(values["gravity"].lower() not in FALSEHOODS)
         if "self_collide" in values:
             collide.append(values["self_collide"].lower() in TRUTHS)
         if "velocity_decay" in values:
-            parts = (values.get(f"velocity_decay/{motion}") for motion in ("linear", "angular"))
-            decay.append(max(_finite(part) or 0.0 for part in parts))
+            linear, angular = (
+                _finite(values.get(f"velocity_decay/{motion}")) or 0.0
+                for motion in ("linear", "angular")
+            )
+            decay.append((linear, angular))
     return gravity, collide, decay
 
 

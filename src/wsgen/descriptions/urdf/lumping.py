@@ -19,7 +19,7 @@ from wsgen.descriptions.urdf.gazebo import (
     is_static,
     is_true,
     with_extensions,
-    with_springs,
+    with_springs_and_stops,
     without_effect,
 )
 from wsgen.diagnostics import Rule, Severity
@@ -281,7 +281,9 @@ def _assembled(
     held = joints_that_say(robot, "disableFixedJointLumping") - preserved
     body_of = {part.name: name for name, body in bodies.items() for part, _ in body.parts}
     left = [
-        with_springs(_as_gazebo_has_it(joints[joint.child], held), tags.get(joint.name, ()))
+        with_springs_and_stops(
+            _as_gazebo_has_it(joints[joint.child], held), tags.get(joint.name, ())
+        )
         for joint in robot.joints
         if joint.child in joints and joint.child in links
     ]
