@@ -22,8 +22,9 @@ from simulation.robots import VOID, spawned
 from wsgen.descriptions.urdf.lumping import lump
 from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.live.nodes.simulator.pid import Gains, GzPid
+from wsgen.model.engines import ENGINES
 from wsgen.simulation.controllers import effort_in_classic
-from wsgen.simulation.run import MODULES, missing_engines
+from wsgen.simulation.run import missing_engines
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -108,7 +109,7 @@ def test_efforts_move_joints_as_in_gazebo_classic(
     name: str, engine_name: str, recorded: Any
 ) -> None:
     if missing_engines([engine_name]):
-        pytest.skip(f"{MODULES[engine_name]} is not installed")
+        pytest.skip(f"{ENGINES[engine_name].title} is not installed")
     command = COMMANDS[name]
     robot, _ = read_urdf(command.urdf, file=Path("r.urdf"))
     assert robot is not None

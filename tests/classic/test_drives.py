@@ -26,11 +26,12 @@ from wsgen.descriptions.urdf.diff_drive import NoDrive, find_diff_drive
 from wsgen.descriptions.urdf.lumping import lump
 from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.model.behavior import Drive
+from wsgen.model.engines import ENGINES
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
 from wsgen.simulation.controllers import UPDATE, DiffDriveController
 from wsgen.simulation.odometer import heading_of
-from wsgen.simulation.run import MODULES, missing_engines
+from wsgen.simulation.run import missing_engines
 from wsgen.simulation.scene import SpawnedRobot
 
 if TYPE_CHECKING:
@@ -266,7 +267,7 @@ def test_robots_go_where_they_go_in_gazebo_classic(
     if (name, engine_name) in MORE and not thorough:
         pytest.skip("with --thorough alone")
     if missing_engines([engine_name]):
-        pytest.skip(f"{MODULES[engine_name]} is not installed")
+        pytest.skip(f"{ENGINES[engine_name].title} is not installed")
     one, real = subject(name.removesuffix(SOLVED), tmp_path), recorded[name]
     ours = simulated(engine_name, one)
     ahead, turn, curve = (shares(way(ours, one), way(real, one)) for one in (AHEAD, TURN, CURVE))

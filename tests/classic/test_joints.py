@@ -25,8 +25,8 @@ from wsgen.checks.rules.damping import unstable_damping
 from wsgen.checks.rules.settings import KINEMATIC, STOPS
 from wsgen.descriptions.urdf.lumping import lump
 from wsgen.descriptions.urdf.reader import read_urdf
-from wsgen.model.outcome import ENGINE_NAMES
-from wsgen.simulation.run import MODULES, missing_engines
+from wsgen.model.engines import ENGINES
+from wsgen.simulation.run import missing_engines
 
 if TYPE_CHECKING:
     from wsgen.checks.rules.settings import Setting
@@ -47,7 +47,7 @@ IMPLICIT = "DART integrates springs implicitly, as in Gazebo Sim, which takes en
 def of_setting(case: str, setting: Setting) -> dict[tuple[str, str], str]:
     """The differences of a case that a setting makes, as an entry of those below."""
     why, engines = not_followed(setting)
-    return {(case, "" if len(engines) == len(ENGINE_NAMES) else one): why for one in engines}
+    return {(case, "" if len(engines) == len(ENGINES) else one): why for one in engines}
 
 
 DIFFERENT = {
@@ -131,7 +131,7 @@ def is_same(ours: list[float], real: list[float] | None, share: float = SAME) ->
 @pytest.mark.parametrize("name", CASES)
 def test_joints_move_as_in_gazebo_classic(name: str, engine: str, recorded: Any) -> None:
     if missing_engines([engine]):
-        pytest.skip(f"{MODULES[engine]} is not installed")
+        pytest.skip(f"{ENGINES[engine].title} is not installed")
     ours = simulated(engine, name)
     assert ours.keys() == recorded[name].keys()
     share = HIT.get(name, SAME)

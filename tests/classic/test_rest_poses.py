@@ -30,6 +30,7 @@ from wsgen.descriptions.sdf.models import read_sdf
 from wsgen.descriptions.urdf.lumping import lump
 from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.diagnostics import Severity
+from wsgen.model.engines import ENGINES as SPECS
 from wsgen.model.kinematics import link_poses
 from wsgen.model.robot import Mesh
 from wsgen.model.transform import (
@@ -42,7 +43,7 @@ from wsgen.model.transform import (
 )
 from wsgen.model.world import World
 from wsgen.pipeline.prepare import for_simulator
-from wsgen.simulation.run import MODULES, missing_engines
+from wsgen.simulation.run import missing_engines
 from wsgen.simulation.scene import SpawnedRobot
 from wsgen.simulation.surfaces import lowest_point
 
@@ -54,7 +55,7 @@ if TYPE_CHECKING:
     from wsgen.simulation.engine import Engine
 
 RECORDED = Path(__file__).with_name("recorded")
-ENGINES = [name for name in MODULES if not missing_engines([name])]
+ENGINES = [name for name in SPECS if not missing_engines([name])]
 SECONDS = 3.0
 LATER = 0.2
 WORLD = World(name="w", has_ground_plane=True, ground_friction=100.0)

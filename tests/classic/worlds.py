@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from simulation.conftest import CLASSES
 from wsgen.checks.rules.settings import without
 from wsgen.descriptions.sdf.models import read_sdf
-from wsgen.model.outcome import ENGINE_NAMES
-from wsgen.simulation.run import MODULES, missing_engines
+from wsgen.model.engines import ENGINES as SPECS
+from wsgen.simulation.run import missing_engines
 from wsgen.simulation.scene import SpawnedRobot
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from wsgen.checks.rules.settings import Setting
     from wsgen.model.transform import Vector
 
-ENGINES = [name for name in MODULES if not missing_engines([name])]
+ENGINES = [name for name in SPECS if not missing_engines([name])]
 BOX = "<box><size>0.4 0.4 0.1</size></box>"
 SPHERE = "<sphere><radius>0.1</radius></sphere>"
 GRAVITY = 9.8  # m/s²
@@ -30,7 +30,7 @@ GRAVITY = 9.8  # m/s²
 def not_followed(setting: Setting) -> tuple[str, tuple[str, ...]]:
     """Why engines differ from Gazebo Classic where a setting is, and which."""
     elements = setting.elements.replace("`", "")
-    return f"with {elements}, {setting.in_gazebo} there", without(setting, ENGINE_NAMES)
+    return f"with {elements}, {setting.in_gazebo} there", without(setting, SPECS)
 
 
 class Body(NamedTuple):

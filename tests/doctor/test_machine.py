@@ -15,8 +15,8 @@ from wsgen.doctor import machine as machine_module
 from wsgen.doctor import report
 from wsgen.doctor.machine import Machine, Requirement, here, read_os_release
 from wsgen.doctor.report import DoctorReport, check_machine
+from wsgen.model.engines import ENGINES as SPECS
 from wsgen.model.target import TARGETS, Target, choose_target
-from wsgen.simulation.run import MODULES
 from wsgen.text.tomlfile import load
 
 TODAY = "2026-11-21"
@@ -128,7 +128,7 @@ def test_a_missing_module(tmp_path: Path, module: str, name: str, fix: str) -> N
     assert found.fix == f"/venv/bin/python -m {fix}"
 
 
-ENGINES = ("pybullet", "mujoco", "dartpy")
+ENGINES = tuple(spec.library for spec in SPECS.values())
 NO_GL = "failed (ImportError: libGL.so.1: cannot open shared object file: No such file)"
 
 
@@ -449,12 +449,10 @@ def test_every_dependency_of_wsgen_is_looked_for() -> None:
     wanted = {re.match(r"[\w.-]+", line)[0].lower() for line in project["dependencies"]}  # type: ignore[index]
     modules = [*report.COLCON_PACKAGES.values(), *report.LIBRARIES.values()]
     known = {re.match(r"[\w.-]+", name)[0].lower() for name in modules}  # type: ignore[index]
-    engines = {"pybullet", "pybullet-arm64", "mujoco", "mujoco-core"}
+    engines = {*SPECS["bullet"].wheels, *SPECS["mujoco"].wheels}
     # tomli: without it wsgen does not start.
     others = {"cmake", "ninja", "xacro", "tomli"}
     assert wanted == known | set(report.WHEELS) | engines | others
-    known_engines = {name: library for name, _, library, _ in report.ENGINES}
-    assert known_engines.items() >= MODULES.items()
     assert {module.partition(".")[0] for module in report.COMPILED} <= report.LIBRARIES.keys()
     first, last = (f"{major}.{minor}" for major, minor in report.PYTHONS)
     assert project["requires-python"] == f">={first},<3.{int(last.split('.')[1]) + 1}"

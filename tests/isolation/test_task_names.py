@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.simulation.run import TASKS
+from wsgen.model.engines import ENGINES
 
 SOURCE = Path(__file__).parents[2] / "src"
 TASK = re.compile(r"wsgen\.\S+:\S+")
@@ -17,7 +17,12 @@ TASK = re.compile(r"wsgen\.\S+:\S+")
 def task_names() -> list[str]:
     return sorted(
         {
-            *TASKS.values(),
+            *(
+                f"{spec.tasks}:{name}"
+                for spec in ENGINES.values()
+                for name in ("simulate", "serve")
+            ),
+            *(spec.engine for spec in ENGINES.values()),
             *(
                 node.value
                 for path in SOURCE.rglob("*.py")

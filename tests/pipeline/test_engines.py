@@ -6,9 +6,8 @@ import click
 import pytest
 
 from wsgen.cli.validate import command as validate
-from wsgen.model.outcome import ENGINE_NAMES
+from wsgen.model.engines import ENGINES
 from wsgen.pipeline.engines import all_engines, engine_left_out
-from wsgen.simulation import run
 from wsgen.simulation.run import default_engine, missing_engines
 
 
@@ -25,18 +24,18 @@ from wsgen.simulation.run import default_engine, missing_engines
 def test_engines_that_are_installed(
     monkeypatch: pytest.MonkeyPatch, installed: str, default: str, compared: str
 ) -> None:
-    modules = {name: "sys" if name in installed else "no_such_module" for name in run.MODULES}
-    monkeypatch.setattr(run, "MODULES", modules)
-    assert set(missing_engines(modules)) == set(modules) - set(installed.split())
+    for name, spec in ENGINES.items():
+        library = "sys" if name in installed else "no_such_module"
+        monkeypatch.setitem(ENGINES, name, spec._replace(library=library))
+    assert set(missing_engines(ENGINES)) == set(ENGINES) - set(installed.split())
     assert default_engine() == default
     assert all_engines() == tuple(compared.split())
 
 
-def test_every_engine_has_a_name_a_task_and_an_option() -> None:
-    assert set(ENGINE_NAMES) == set(run.MODULES) == set(run.TASKS)
+def test_every_engine_has_an_option() -> None:
     (option,) = (one for one in validate.params if one.name == "engine")
     assert isinstance(option.type, click.Choice)
-    assert set(option.type.choices) == {*ENGINE_NAMES, "gazebo", "all"}
+    assert set(option.type.choices) == {*ENGINES, "gazebo", "all"}
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from wsgen.isolation import parent
 from wsgen.isolation.codec import decode
 from wsgen.isolation.result import Answered, Died
 from wsgen.model.behavior import Behavior, Reach
+from wsgen.model.engines import ENGINES
 from wsgen.model.robot import MOST_LINKS, Box, Collision, Inertial, Joint, JointType, Link, Robot
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
@@ -24,7 +25,7 @@ from wsgen.pipeline.prepare import PreparedRobot
 from wsgen.pipeline.requests import ValidateRequest
 from wsgen.pipeline.run_robots import simulate_robots
 from wsgen.simulation.engine import HullGap
-from wsgen.simulation.run import TASKS, missing_engines
+from wsgen.simulation.run import missing_engines
 from wsgen.simulation.scene import (
     DRAWING,
     LOADING,
@@ -91,7 +92,7 @@ class Engines:
 
     def __call__(self, task: str, *arguments: Any, **_: Any) -> Answered | Died:
         (scene,) = arguments
-        assert task == TASKS[scene.engine]
+        assert task == f"{ENGINES[scene.engine].tasks}:simulate"
         self.scenes.append(scene)
         if any(robot.entity == self.kills for robot in scene.robots):
             step = LOADING.format(entity=self.kills)

@@ -11,13 +11,14 @@ import numpy as np
 import pytest
 
 from rendering.showpieces import BLUE, GROUND, photograph, piece, pixels_of, spawned
+from wsgen.model.engines import ENGINES
 from wsgen.model.robot import Box, Collision, Cylinder, Inertial, Link, Sphere, Visual
 from wsgen.model.transform import Pose
 from wsgen.rendering.camera import Camera, sun_view
 from wsgen.rendering.render_items import RenderItem
 from wsgen.rendering.renderer import GROUND as GROUND_ITEM
 from wsgen.rendering.renderer import NOTHING, Renderer, Shadow
-from wsgen.simulation.run import MODULES, missing_engines, run_simulation
+from wsgen.simulation.run import missing_engines, run_simulation
 from wsgen.simulation.scene import Scene, SpawnedRobot
 
 if TYPE_CHECKING:
@@ -275,7 +276,7 @@ def test_every_engine_has_the_same_picture_of_things_at_the_same_places(tmp_path
         pose_in_world=standing.pose_in_world,
     )
     pictures = []
-    for engine in MODULES:
+    for engine in ENGINES:
         if not missing_engines([engine]):
             file = tmp_path / f"{engine}.png"
             scene = Scene(world=GROUND, robots=(fixed,), seconds=0.1, engine=engine, picture=file)

@@ -13,10 +13,11 @@ from ros_nodes.sensor_messages import install_sensor_messages
 from ros_nodes.sensor_texts import element
 from simulation.robots import GROUND, body, single
 from wsgen.model.devices import Devices, MountedSensor
+from wsgen.model.engines import ENGINES
 from wsgen.model.robot import Box
 from wsgen.model.transform import Pose
 from wsgen.simulation.live_scene import LiveScene
-from wsgen.simulation.run import MODULES, missing_engines
+from wsgen.simulation.run import missing_engines
 from wsgen.simulation.scene import Scene, SpawnedRobot
 
 if TYPE_CHECKING:
@@ -37,12 +38,12 @@ HIGH = SpawnedRobot(
 )
 
 
-@pytest.fixture(params=MODULES)
+@pytest.fixture(params=ENGINES)
 def engine(request: pytest.FixtureRequest) -> Any:
     """A new one."""
     name: str = request.param
     if missing_engines([name]):
-        pytest.skip(f"{MODULES[name]} is not installed")
+        pytest.skip(f"{ENGINES[name].title} is not installed")
     return getattr(importlib.import_module(f"wsgen.simulation.{name}"), CLASSES[name])(GROUND)
 
 

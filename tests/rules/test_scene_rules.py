@@ -11,7 +11,7 @@ import pytest
 from rules.robot_runs import STANDS
 from wsgen.checks.rules import runs as rules
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.model.outcome import name_engines
+from wsgen.model.engines import name_engines
 from wsgen.model.transform import Pose
 from wsgen.simulation.engine import HullGap
 from wsgen.simulation.scene import Overlapping

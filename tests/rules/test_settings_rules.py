@@ -17,7 +17,7 @@ from wsgen.checks.rules.settings import (
 from wsgen.descriptions.urdf.lumping import lump
 from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.model.behavior import DiffDrive, WheelPair
-from wsgen.model.outcome import ENGINE_NAMES
+from wsgen.model.engines import ENGINES
 from wsgen.model.world import World
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
 
 FILE = Path("robot.urdf")
-ALL = tuple(ENGINE_NAMES)
+ALL = tuple(ENGINES)
 TOUCH = MASS + shape("collision", "<sphere radius='0.1'/>")
 LIMIT = "<limit lower='0' upper='1' effort='1' velocity='1'/>"
 
@@ -58,8 +58,8 @@ def test_what_matters_is_named_once_where_it_is_written(about: str, lacking: Seq
     assert found.line is not None
     assert found.line > 1
     assert (found.element or "").startswith("gazebo[@reference=")
-    for engine, name in ENGINE_NAMES.items():
-        assert (name in found.message) == (engine in lacking)
+    for engine, spec in ENGINES.items():
+        assert (spec.title in found.message) == (engine in lacking)
         assert len(found_in(about, [engine])) == (engine in lacking)
 
 

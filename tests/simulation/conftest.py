@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.simulation.run import MODULES, missing_engines
+from wsgen.model.engines import ENGINES
+from wsgen.simulation.run import missing_engines
 
 if TYPE_CHECKING:
     from simulation.robots import NewEngine
@@ -16,12 +17,12 @@ if TYPE_CHECKING:
 CLASSES = {"bullet": "BulletEngine", "dart": "DartEngine", "mujoco": "MujocoEngine"}
 
 
-@pytest.fixture(params=MODULES)
+@pytest.fixture(params=ENGINES)
 def new_engine(request: pytest.FixtureRequest) -> NewEngine:
     """Makes an engine of a world; a test that takes this is run with every engine."""
     name: str = request.param
     if missing_engines([name]):
-        pytest.skip(f"{MODULES[name]} is not installed")
+        pytest.skip(f"{ENGINES[name].title} is not installed")
     module = importlib.import_module(f"wsgen.simulation.{name}")
     made: NewEngine = getattr(module, CLASSES[name])
     return made

@@ -48,7 +48,3 @@ class ScriptEngine(FakeEngine):
 
 def serve(scene: Scene, remembered: float, endpoint: Endpoint) -> None:
     session.serve(scene, remembered, endpoint, ScriptEngine)
-
-
-def not_loaded(scene: Scene, remembered: float, endpoint: Endpoint) -> None:
-    raise ImportError("libGL.so.1: cannot open shared object file: No such file or directory")

@@ -24,8 +24,9 @@ from wsgen.descriptions.meshes.lookup import find_meshes
 from wsgen.descriptions.sdf.models import read_model, read_sdf
 from wsgen.descriptions.urdf.lumping import lump
 from wsgen.descriptions.urdf.reader import read_urdf
+from wsgen.model.engines import ENGINES as SPECS
 from wsgen.model.transform import multiply, rotation_of_rpy, transpose
-from wsgen.simulation.run import MODULES, missing_engines
+from wsgen.simulation.run import missing_engines
 
 if TYPE_CHECKING:
     from wsgen.model.robot import Robot
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
 
 ENGINES = {
     name: getattr(importlib.import_module(f"wsgen.simulation.{name}"), CLASSES[name])
-    for name in MODULES
+    for name in SPECS
     if not missing_engines([name])
 }
 pytestmark = [

@@ -16,6 +16,7 @@ from wsgen.diagnostics import Severity
 from wsgen.isolation import parent
 from wsgen.isolation.parent import Limits
 from wsgen.isolation.result import Answered, Died
+from wsgen.model.engines import ENGINES
 from wsgen.model.robot import Collision, Cylinder, Inertial, Link, Mesh, Robot, Visual
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
@@ -194,7 +195,7 @@ def test_a_busy_machine_is_not_the_robots_fault() -> None:
 
 
 def test_last_words_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(run, "TASKS", {"bullet": "abort_with_words:simulate"})
+    monkeypatch.setitem(ENGINES, "bullet", ENGINES["bullet"]._replace(tasks="abort_with_words"))
     monkeypatch.setattr(sys, "path", [*sys.path, str(HERE)])
     (death,) = run_simulation(scene(robot())).diagnostics
     assert "SIGABRT" in death.message
@@ -203,7 +204,7 @@ def test_last_words_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_warnings_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(run, "TASKS", {"bullet": "abort_with_words:warn"})
+    monkeypatch.setitem(ENGINES, "bullet", ENGINES["bullet"]._replace(tasks="warn_with_words"))
     monkeypatch.setattr(sys, "path", [*sys.path, str(HERE)])
     (warning,) = run_simulation(scene(robot())).diagnostics
     assert (warning.code, warning.severity) == ("SPN033", Severity.WARNING)

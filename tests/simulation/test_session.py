@@ -13,10 +13,11 @@ from PIL import Image
 from simulation.movers import AT, DRIVE, arm, two_wheeled
 from simulation.robots import GROUND, PLATE, body, single
 from wsgen.errors import RequestError, SessionDiedError
+from wsgen.model.engines import ENGINES
 from wsgen.model.transform import Pose
-from wsgen.simulation import run, session
+from wsgen.simulation import session
 from wsgen.simulation.engine import Motor
-from wsgen.simulation.run import MODULES, missing_engines, run_simulation
+from wsgen.simulation.run import missing_engines, run_simulation
 from wsgen.simulation.scene import NotDrawn, Picture, Scene, SpawnedRobot, Video
 from wsgen.simulation.session import Session
 from wsgen.testing.simulation import Simulation
@@ -34,19 +35,21 @@ def scene_of(robot: Robot, pose: Pose = AT, *, engine: str = "fake", entity: str
     return Scene(world=GROUND, robots=robots, engine=engine)
 
 
-@pytest.fixture(params=MODULES)
+@pytest.fixture(params=ENGINES)
 def engine(request: pytest.FixtureRequest) -> str:
     name: str = request.param
     if missing_engines([name]):
-        pytest.skip(f"{MODULES[name]} is not installed")
+        pytest.skip(f"{ENGINES[name].title} is not installed")
     return name
 
 
 @pytest.fixture(autouse=True)
 def fake(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(session.TASKS, "fake", "simulation.session_tasks:serve")
-    monkeypatch.setitem(session.TASKS, "absent", "simulation.session_tasks:not_loaded")
-    monkeypatch.setitem(run.MODULES, "absent", "no_such_module")
+    like = ENGINES["bullet"]._replace
+    fake = like(title="fake", tasks="simulation.session_tasks")
+    monkeypatch.setitem(ENGINES, "fake", fake)
+    absent = like(title="absent", library="no_such_module", tasks="simulation.session_not_loaded")
+    monkeypatch.setitem(ENGINES, "absent", absent)
 
 
 def test_it_does_what_it_is_asked_to() -> None:

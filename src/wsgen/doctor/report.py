@@ -12,6 +12,7 @@ from wsgen.building.toolchain import MAKE_PROGRAMS, SourcedRos, fetch_arguments
 from wsgen.doctor.machine import Requirement, names_in_apt, read_os_release, ros_prefixes
 from wsgen.errors import WsgenError
 from wsgen.isolation.missing_library import find_missing_library
+from wsgen.model.engines import ENGINES
 from wsgen.model.facts import DISTROS, RELEASED_FOR
 from wsgen.model.installation import (
     APT_HOSTS,
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.doctor.machine import Machine
+    from wsgen.model.engines import EngineSpec
 
 
 PYTHONS = ((3, 10), (3, 14))  # from, to; as requires-python in pyproject.toml
@@ -66,13 +68,6 @@ LIBRARIES = {
 }
 # Of these, what is compiled: it is imported, to see whether it can be.
 COMPILED = ("lxml.etree", "yaml", "numpy", "PIL.Image", "shapely")
-# The physics engines in the order of preference: name on the command line and for people, library,
-# what pip calls it. What is imported is wsgen's module of the engine.
-ENGINES = (
-    ("bullet", "PyBullet", "pybullet", "pybullet"),
-    ("mujoco", "MuJoCo", "mujoco", "wsgen[mujoco]"),
-    ("dart", "DART", "dartpy", "wsgen[dart]"),
-)
 # Where PyBullet has wheels, or its fork, which is the same module: system, machine, first and last
 # Python, what pip calls it. As in pyproject.toml.
 PYBULLETS = (
@@ -196,7 +191,7 @@ def _build_program(machine: Machine) -> Requirement:
 
 def _engines(machine: Machine) -> Iterator[Requirement]:
     """Check that an engine can be loaded, then each of them."""
-    found = [_engine(machine, *engine) for engine in ENGINES]
+    found = [_engine(machine, name, spec) for name, spec in ENGINES.items()]
     usable = [one.name for one in found if one.is_met]
     yield Requirement(
         "physics engine",
@@ -208,18 +203,20 @@ def _engines(machine: Machine) -> Iterator[Requirement]:
     yield from found
 
 
-def _engine(machine: Machine, name: str, title: str, library: str, pip: str) -> Requirement:
-    wanted = pybullet_for(machine) if name == "bullet" else pip
+def _engine(machine: Machine, name: str, spec: EngineSpec) -> Requirement:
+    wanted = f"wsgen[{spec.extra}]" if spec.extra else pybullet_for(machine)
     why = None
-    is_there = machine.has_module(library)
+    is_there = machine.has_module(spec.library)
     if is_there:
-        why = machine.why_not_loaded(f"wsgen.simulation.{name}")
-        text, fix = ("can be loaded", "") if why is None else _not_loaded(machine, why, library)
+        why = machine.why_not_loaded(spec.engine.partition(":")[0])
+        text, fix = (
+            ("can be loaded", "") if why is None else _not_loaded(machine, why, spec.library)
+        )
     elif wanted is None:
         text, fix = "missing; it has no wheels for this machine and Python", ""
     else:
         text, fix = f"missing; only for --engine {name}", _pip(machine, wanted)
-    return Requirement(title, is_met=is_there and why is None, text=text, fix=fix)
+    return Requirement(spec.title, is_met=is_there and why is None, text=text, fix=fix)
 
 
 def pybullet_for(machine: Machine) -> str | None:

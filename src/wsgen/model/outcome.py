@@ -9,6 +9,7 @@ from dataclasses import field, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import has_errors
+from wsgen.model.engines import RESULT_NAMES
 from wsgen.text.values import dataclass, lazy_pattern
 
 if TYPE_CHECKING:
@@ -21,19 +22,6 @@ if TYPE_CHECKING:
     from wsgen.model.robot import Robot
     from wsgen.model.transform import Pose
     from wsgen.model.world import World
-
-
-# The physics engines in the order of preference, with the names that their users know.
-ENGINE_NAMES = {"bullet": "PyBullet", "mujoco": "MuJoCo", "dart": "DART"}
-# The user's own Gazebo has results beside theirs, and is no engine that sweeps or live runs take.
-GAZEBO = "gazebo"
-RESULT_NAMES = {**ENGINE_NAMES, GAZEBO: "Gazebo"}
-
-
-def name_engines(engines: Iterable[str]) -> str:
-    """The names of engines, as a sentence lists them."""
-    *names, last = [RESULT_NAMES[engine] for engine in engines]
-    return f"{', '.join(names)} and {last}" if names else last
 
 
 @dataclass(frozen=True, kw_only=True)

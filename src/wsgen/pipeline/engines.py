@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.errors import NotFoundError
-from wsgen.model.outcome import ENGINE_NAMES, name_engines
+from wsgen.model.engines import ENGINES, name_engines
 from wsgen.simulation.run import default_engine, installed_engines, missing_engines
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ def all_engines() -> tuple[str, ...]:
     `check_engines` then says which are missing.
     """
     installed = installed_engines()
-    return tuple(installed if len(installed) > 1 else ENGINE_NAMES)
+    return tuple(installed if len(installed) > 1 else ENGINES)
 
 
 def check_engines(engines: Sequence[str]) -> None:
@@ -42,13 +42,13 @@ def check_engines(engines: Sequence[str]) -> None:
 
 def _how_to_install(engines: Sequence[str]) -> str:
     """The hint for engines that are missing; PyBullet's wheels have two names, where it has any."""
-    extras = [engine for engine in engines if engine != "bullet"]
+    extras = [ENGINES[name].extra for name in engines if ENGINES[name].extra]
     if not extras and not installed_engines():
         extras = ["mujoco"]
     if extras:
         what = "it" if len(engines) == 1 else "them"
-        if extras != list(engines):
-            what = name_engines(extras)
+        if len(extras) < len(engines):
+            what = name_engines(name for name in engines if ENGINES[name].extra)
         return f"Install {what}: pip install 'wsgen[{','.join(extras)}]'"
     return (
         "PyBullet is installed with wsgen if it has a wheel for this machine and Python version; "
@@ -72,7 +72,7 @@ ENGINE_LEFT_OUT = Rule(
 
 def engine_left_out(engines: Sequence[str]) -> Iterator[Diagnostic]:
     """Report which engine a comparison is without; `engines` are those that are compared."""
-    left_out = [name for name in ENGINE_NAMES if name not in engines]
+    left_out = [name for name in ENGINES if name not in engines]
     if len(engines) > 1 and left_out:
         yield ENGINE_LEFT_OUT.at(
             None,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import field, replace
 from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol
 
-from wsgen.model.outcome import GAZEBO
+from wsgen.model.engines import GAZEBO
 from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:

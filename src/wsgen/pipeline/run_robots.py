@@ -25,14 +25,12 @@ from wsgen.diagnostics import Rule, Severity, has_errors
 from wsgen.events import OneAtATime
 from wsgen.isolation.result import Limits
 from wsgen.model.behavior import ELEMENT
+from wsgen.model.engines import ENGINES, GAZEBO, name_engines
 from wsgen.model.outcome import (
-    ENGINE_NAMES,
-    GAZEBO,
     EngineOutcome,
     Rest,
     RobotOutcome,
     Simulated,
-    name_engines,
 )
 from wsgen.model.robot import MOST_LINKS
 from wsgen.pipeline.parallel import run_parallel
@@ -271,7 +269,7 @@ def _beyond_bullet(robots: Sequence[PreparedRobot], engines: Sequence[str]) -> I
                 message=f"The robot has {parts} links with separate friction, more than the "
                 f"{MOST_LINKS} that PyBullet simulates: {name_engines(others)} "
                 f"simulate{'s' if len(others) == 1 else ''} it.",
-                hint=f"Add --engine {others[0]} to choose {ENGINE_NAMES[others[0]]} yourself."
+                hint=f"Add --engine {others[0]} to choose {ENGINES[others[0]].title} yourself."
                 if len(engines) == 1
                 else "No action is needed; the comparison does not include PyBullet.",
             )

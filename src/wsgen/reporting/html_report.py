@@ -21,7 +21,7 @@ from wsgen import __version__
 from wsgen.checks.fixes.registry import FIXERS
 from wsgen.checks.rules.catalogue import find_rule
 from wsgen.diagnostics import Severity
-from wsgen.model.outcome import Outcome, name_engines
+from wsgen.model.engines import name_engines
 from wsgen.model.robot import JointType, Mesh
 from wsgen.reporting.page_data import compress, pack_package, read_plotly
 from wsgen.reporting.words import (
@@ -41,7 +41,13 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic, Rule
     from wsgen.model.behavior import BehaviorOutcome
-    from wsgen.model.outcome import EngineOutcome, NotValidated, PackageOutcome, RobotOutcome
+    from wsgen.model.outcome import (
+        EngineOutcome,
+        NotValidated,
+        Outcome,
+        PackageOutcome,
+        RobotOutcome,
+    )
     from wsgen.model.plan import Process
     from wsgen.model.robot import Geometry, Joint, Link
 

@@ -10,7 +10,7 @@ import os
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.rules.runs import TIPS_OVER, UNACTUATED_JOINTS_MOVE
-from wsgen.model.outcome import GAZEBO
+from wsgen.model.engines import GAZEBO
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

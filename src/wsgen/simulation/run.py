@@ -13,7 +13,7 @@ from wsgen.isolation import parent
 from wsgen.isolation.codec import decode
 from wsgen.isolation.missing_library import find_missing_library
 from wsgen.isolation.result import DEFAULT_LIMITS, Died
-from wsgen.model.outcome import ENGINE_NAMES
+from wsgen.model.engines import ENGINES
 from wsgen.model.robot import Mesh
 from wsgen.simulation.not_loaded import explain_not_loaded
 from wsgen.simulation.scene import (
@@ -123,13 +123,6 @@ COARSE_VIDEO = Rule(
     instead="wsgen validate my_robot --record robot.gif --seconds 5",
 )
 
-# The libraries, by engine.
-MODULES = {"bullet": "pybullet", "dart": "dartpy", "mujoco": "mujoco"}
-TASKS = {
-    "bullet": "wsgen.pipeline.tasks.bullet:simulate",
-    "dart": "wsgen.pipeline.tasks.dart:simulate",
-    "mujoco": "wsgen.pipeline.tasks.mujoco:simulate",
-}
 MOST_TRIANGLES = 6_000_000  # of all collisions; they take 3 GB in PyBullet, with a picture
 LARGEST_MESHES = 3  # are named
 MANY_TRIANGLES = 20_000  # with fewer, a frame's time goes into its pixels
@@ -140,12 +133,12 @@ GREETINGS = ("pybullet build time",)  # what PyBullet prints when all is well
 
 def missing_engines(engines: Iterable[str]) -> list[str]:
     """Which of these engines are not installed."""
-    return [name for name in engines if find_spec(MODULES[name]) is None]
+    return [name for name in engines if find_spec(ENGINES[name].library) is None]
 
 
 def installed_engines() -> list[str]:
     """Which engines are installed, in the order of preference."""
-    return [name for name in ENGINE_NAMES if not missing_engines([name])]
+    return [name for name in ENGINES if not missing_engines([name])]
 
 
 def default_engine() -> str:
@@ -164,7 +157,7 @@ def run_simulation(
     if too_large is not None:
         return SimulationOutcome(diagnostics=(too_large,))
     started = time.perf_counter()
-    outcome = run(TASKS[scene.engine], scene, limits=limits)
+    outcome = run(f"{ENGINES[scene.engine].tasks}:simulate", scene, limits=limits)
     seconds = time.perf_counter() - started
     if isinstance(outcome, Died):
         found, rest = _blame(scene, outcome)
@@ -213,7 +206,7 @@ def _too_many_triangles(scene: Scene) -> Diagnostic | None:
     return TOO_MANY_TRIANGLES.at(
         None,
         message=f"The collision meshes of all models have {total:,} triangles, more than the limit "
-        f"of {MOST_TRIANGLES:,} for {ENGINE_NAMES[scene.engine]}: {named}.",
+        f"of {MOST_TRIANGLES:,} for {ENGINES[scene.engine].title}: {named}.",
         hint="Use boxes or cylinders for these collisions, or meshes of some hundred triangles.",
     )
 
@@ -251,7 +244,7 @@ def _without(scene: Scene, entity: str) -> Scene | None:
 
 def explain_death(scene: Scene, death: Died) -> Diagnostic:
     """Report that the engine died in the step that `death` names."""
-    others = (name for name in MODULES if name != scene.engine and not missing_engines([name]))
+    others = (name for name in ENGINES if name != scene.engine and not missing_engines([name]))
     not_loaded = explain_not_loaded(scene.engine, death, others)
     if not_loaded is not None:
         return not_loaded
@@ -269,7 +262,7 @@ def explain_death(scene: Scene, death: Died) -> Diagnostic:
     return ENGINE_DIED.at(
         None,
         element=_entities(scene),
-        message=f"The physics engine ({ENGINE_NAMES.get(scene.engine, scene.engine)}) "
+        message=f"The physics engine ({ENGINES[scene.engine].title}) "
         f"{death.reason} while {death.step or 'it was starting'}.{said}",
         hint=death.hint(hint),
     )

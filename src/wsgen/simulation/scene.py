@@ -64,7 +64,7 @@ class Scene:
     # Afterwards, one by one, from where all were spawned.
     behavior_runs: tuple[BehaviorRun, ...] = ()
     pushes: tuple[Push, ...] = ()  # while the robots stand; several on one link add up
-    engine: str = "bullet"  # a key of `run.MODULES`
+    engine: str = "bullet"  # a key of `ENGINES`
     samples: int = 0  # of each robot over the simulated time, and of each of its behaviors
     picture: Path | None = None  # where to put a PNG of the end; its folder must exist
     world_picture: Path | None = None  # likewise of all around, if there are static models

@@ -22,6 +22,7 @@ from wsgen.errors import RequestError, SessionDiedError
 from wsgen.isolation.channel import Channel
 from wsgen.isolation.codec import decode
 from wsgen.isolation.result import Died
+from wsgen.model.engines import ENGINES
 from wsgen.simulation.engine import Contact
 from wsgen.simulation.run import explain_death
 from wsgen.simulation.scene import NotDrawn, Picture, Video
@@ -41,12 +42,6 @@ if TYPE_CHECKING:
 
 
 T = TypeVar("T")
-
-TASKS = {
-    "bullet": "wsgen.pipeline.tasks.bullet:serve",
-    "dart": "wsgen.pipeline.tasks.dart:serve",
-    "mujoco": "wsgen.pipeline.tasks.mujoco:serve",
-}
 
 # CPU time that a command may take. Large robots are slower than real time; the limit is for an
 # engine that hangs.
@@ -92,7 +87,7 @@ class Session(contextlib.AbstractContextManager["Session"]):
         self._robots = {one.entity: one.robot for one in scene.robots}
         self._ended: SessionDiedError | None = None
         self._is_closed = False
-        self._channel = Channel(TASKS[scene.engine], scene, remembered)
+        self._channel = Channel(f"{ENGINES[scene.engine].tasks}:serve", scene, remembered)
         try:
             self._take(self._call("open", doing="", kind=Opened))
         except BaseException:

@@ -86,7 +86,7 @@ def run_all(  # noqa: PLR0913  what is run, where and how
         blueprint_of: What a variant is made of, without wsgen's own parameters.
         variants: In the order in which they are begun.
         seconds: Simulated time of each.
-        engine: A key of `ENGINE_NAMES`.
+        engine: A key of `ENGINES`.
         count: How many variants these are, at least: of many, some go into one call.
     """
     shared = _Shared()
@@ -264,7 +264,7 @@ def run_apart(  # noqa: PLR0913  what is run, where and how
         blueprint_of: As for `run_all`.
         variants: In the order in which they are begun.
         seconds: Simulated time of each.
-        engine: A key of `ENGINE_NAMES`.
+        engine: A key of `ENGINES`.
         limits: Of a run and its preparation.
         count: How many variants these are, at least.
     """

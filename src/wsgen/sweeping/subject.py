@@ -22,6 +22,7 @@ from wsgen import __version__
 from wsgen.descriptions.meshes import inspection, shape_meshes
 from wsgen.errors import RequestError
 from wsgen.isolation.result import DEFAULT_LIMITS, Answered, Died, Limits
+from wsgen.model.engines import ENGINES
 from wsgen.model.robot import Mesh
 from wsgen.packages.source_shares import BUILD_FOLDERS
 from wsgen.sweeping.parameters import OWN_NAMES, check_design, subject_values, write_value
@@ -37,13 +38,6 @@ if TYPE_CHECKING:
     from wsgen.pipeline.prepare import PreparedRobot
     from wsgen.sweeping.parameters import Parameter
     from wsgen.sweeping.run_variant import Blueprint
-
-
-DISTRIBUTIONS = {  # engine -> what pip calls its library, by preference
-    "bullet": ("pybullet", "pybullet-arm64"),
-    "dart": ("dartpy",),
-    "mujoco": ("mujoco-core", "mujoco"),
-}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -244,8 +238,9 @@ class _Slot:
 
 def engine_version(engine: str) -> str:
     """The version of an engine's library; empty where it is not installed by pip."""
-    names = DISTRIBUTIONS.get(engine, ())
-    found = (one.version for name in names for one in metadata.distributions(name=name))
+    found = (
+        one.version for name in ENGINES[engine].wheels for one in metadata.distributions(name=name)
+    )
     return next(found, "")
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.checks.rules.settings import FRICTION_DIRECTION, without
 from wsgen.diagnostics import Rule, Severity
-from wsgen.model.outcome import name_engines
+from wsgen.model.engines import name_engines
 from wsgen.model.robot import JointType
 from wsgen.model.transform import rotate, rotation_of_rpy
 

@@ -12,7 +12,7 @@ from itertools import combinations
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
-from wsgen.model.outcome import GAZEBO, RESULT_NAMES, name_engines
+from wsgen.model.engines import GAZEBO, RESULT_NAMES, name_engines
 from wsgen.model.robot import JointType
 from wsgen.model.transform import multiply, rotation_of_rpy, transpose
 

@@ -10,7 +10,7 @@ from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
-from wsgen.model.outcome import name_engines
+from wsgen.model.engines import name_engines
 from wsgen.model.world import World
 
 if TYPE_CHECKING:

@@ -24,7 +24,7 @@ import math
 from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
-from wsgen.model.outcome import ENGINE_NAMES
+from wsgen.model.engines import ENGINES
 from wsgen.model.sweep import (
     LONGEST_RUN,
     MOST_SEED,
@@ -100,7 +100,7 @@ def read_sweep(
         sampler=reader.word(table, "sampler", SAMPLERS),
         seed=reader.integer(table, "seed", least=0, most=MOST_SEED),
         seconds=reader.seconds(table),
-        engine=reader.word(table, "engine", tuple(ENGINE_NAMES)),
+        engine=reader.word(table, "engine", tuple(ENGINES)),
         behaviors=reader.boolean(table, "behaviors"),
         out=reader.out(table),
     )

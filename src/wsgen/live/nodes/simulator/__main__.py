@@ -27,6 +27,7 @@ from wsgen.live.nodes.simulator.pose_logger import PoseLogger
 from wsgen.live.nodes.simulator.ros import Ros
 from wsgen.live.nodes.simulator.services import offer_services
 from wsgen.live.nodes.simulator.simulation import LiveSimulation, RefusedError
+from wsgen.model.engines import ENGINES
 from wsgen.simulation.live_scene import (
     FOLDER_VARIABLE,
     SCENE_FILE,
@@ -100,11 +101,6 @@ LOOK_AT_TOPICS = 0.1  # s, likewise, while a recorder is yet to find them
 IDLE = 0.02  # s, that a paused simulator waits for what arrives
 NEXT_STEP = 0.002  # s, that one waits for a command to go on, before it looks at messages
 TRACEBACK = "WSGEN_TRACEBACK"  # a variable; set, bugs have tracebacks
-ENGINES = {
-    "bullet": "wsgen.simulation.bullet:BulletEngine",
-    "dart": "wsgen.simulation.dart:DartEngine",
-    "mujoco": "wsgen.simulation.mujoco:MujocoEngine",
-}
 
 
 def main() -> int:
@@ -188,7 +184,7 @@ def make_engine(name: str, world: World) -> Engine:
 
 def load_engine(name: str) -> Any:
     """The class of an engine, by the name of its option."""
-    module, _, attribute = ENGINES[name].partition(":")
+    module, _, attribute = ENGINES[name].engine.partition(":")
     with _quiet():  # PyBullet prints when it was built
         return getattr(importlib.import_module(module), attribute)
 
