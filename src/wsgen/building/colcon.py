@@ -214,7 +214,7 @@ def run_colcon(
 ) -> Finished:
     """Run `colcon` with the arguments in the folder, calling back for each event of the build.
 
-    The events are those of `colcon_events`. An interruption (Ctrl-C, or an exception of a signal
+    The events are those of `colcon_child`. An interruption (Ctrl-C, or an exception of a signal
     handler) ends colcon and all processes that it started, and is raised again. The end of this
     process ends them, too.
     """
@@ -279,7 +279,7 @@ class PackageResult:
 
 @dataclass
 class Progress:
-    """Receives the events of `colcon_events`, posts ours, and collects results."""
+    """Receives the events of `colcon_child`, posts ours, and collects results."""
 
     listener: Listener | None
     results: list[PackageResult] = field(default_factory=list)

@@ -26,8 +26,7 @@ from colcon_core.argument_parser import (
 from colcon_core.logging import colcon_logger
 from colcon_core.plugin_system import satisfies_version
 
-from wsgen.building.package_environment import set_package_environments
-from wsgen.building.python_environments import ignore_python_environments
+from wsgen.building.package_environment import ignore_python_environments, set_package_environments
 from wsgen.building.toolchain import Wheels, find_toolchain, package_prefixes, use_toolchain
 from wsgen.errors import NotFoundError
 

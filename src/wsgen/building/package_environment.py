@@ -6,7 +6,8 @@ packages of the workspace that are built already, and the sources of the package
 test` gets those packages alone.
 
 Also the commands of ROS that a CMakeLists.txt runs: `xacro`, and of `ros2` what needs no ROS. The
-scripts in `ros_prefix/bin` call them, in processes that CMake, make or ninja start.
+scripts in `ros_prefix/bin` call them, in processes that CMake, make or ninja start, and that do
+without colcon.
 """
 
 from __future__ import annotations
@@ -23,6 +24,9 @@ from wsgen.errors import NotFoundError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, MutableMapping, Sequence
+
+    from colcon_core.package_descriptor import PackageDescriptor
+    from colcon_core.package_identification.ignore import IgnorePackageIdentification
 
 
 # The prefix of the sources and the one to install to, with a colon between them.
@@ -108,6 +112,34 @@ def _built_prefixes(install: Path) -> Iterator[Path]:
     for prefix in (install, *(sorted(install.iterdir()) if install.is_dir() else ())):
         if (prefix / INDEX).is_dir():
             yield prefix
+
+
+def ignore_python_environments() -> None:
+    """Keep colcon from searching for packages in environments of Python, in this process.
+
+    Who has just installed wsgen into a folder `venv` of the workspace would build ament_cmake,
+    whose wheels have manifests. colcon asks its extension for COLCON_IGNORE first in each folder.
+    """
+    from colcon_core.package_identification import IgnoreLocationException  # noqa: PLC0415  see above
+    from colcon_core.package_identification.ignore import (  # noqa: PLC0415
+        IgnorePackageIdentification,
+    )
+
+    ignores = IgnorePackageIdentification.identify
+
+    def identify(self: IgnorePackageIdentification, desc: PackageDescriptor) -> None:
+        ignores(self, desc)
+        # Every command of colcon loads this module, and some look for no packages.
+        from wsgen.packages.workspace.layout import is_python_environment  # noqa: PLC0415
+
+        try:
+            names = [path.name for path in Path(desc.path).iterdir()]
+        except OSError:  # colcon says so, or passes it over
+            return
+        if is_python_environment(names):
+            raise IgnoreLocationException
+
+    IgnorePackageIdentification.identify = identify
 
 
 RUN_XACRO = ["run", "xacro", "xacro"]

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wsgen.cli import Commands
+from wsgen.cli.options import ExampleCommand
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
     from pathlib import Path
     from typing import NoReturn
 
@@ -21,19 +22,8 @@ Function = Callable[..., Any]
 SPIN_SECONDS = 2.0
 
 
-class ExampleGroup(Commands):
+class ExampleGroup(ExampleCommand, Commands):
     """A group whose help ends with examples."""
-
-    def __init__(self, *arguments: Any, examples: Sequence[str], **options: Any) -> None:
-        super().__init__(*arguments, **options)
-        self.examples = examples  # whole command lines
-
-    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write them unwrapped."""
-        super().format_epilog(ctx, formatter)
-        with formatter.section("Examples"):
-            for example in self.examples:
-                formatter.write(f"{'':{formatter.current_indent}}{example}\n")
 
 
 GRAPH_OPTIONS: tuple[Callable[[Function], Function], ...] = (

@@ -22,7 +22,7 @@ VARIABLE = "WSGEN_SOURCE_PREFIXES"  # in the environment: the folder of these pr
 USED = ".used"  # in a prefix of serve_sources(): a file that who looks the package up leaves
 BUILD_FOLDERS = frozenset({"__pycache__", "build", "install", "log"})  # names
 SEPARATOR = r"[/\\]"  # of folders; Windows has both
-INDEX = Path("share", "ament_index", "resource_index", "packages")  # below a prefix
+INDEX = "share/ament_index/resource_index/packages"  # below a prefix
 
 
 def serve_sources(

@@ -63,7 +63,7 @@ def check_package_manifest(
         destinations = {one.destination for one in build.installed}
         yield from check_build_type(
             manifest,
-            calls_ament_package=f"{INDEX.as_posix()}/{package.name}" in destinations
+            calls_ament_package=f"{INDEX}/{package.name}" in destinations
             and (folder / "CMakeLists.txt").is_file(),
             is_python=(folder / "setup.py").is_file() and not (folder / "CMakeLists.txt").is_file(),
         )

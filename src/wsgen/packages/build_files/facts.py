@@ -27,6 +27,7 @@ from wsgen.packages.build_files.cmake_checks import (
 from wsgen.packages.build_files.cmake_install import relative_destination
 from wsgen.packages.build_files.cmake_values import BUILD, UNKNOWN, is_known
 from wsgen.packages.build_files.install_checks import check_installed
+from wsgen.packages.source_shares import INDEX
 from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
@@ -36,7 +37,6 @@ if TYPE_CHECKING:
     from wsgen.packages.build_files.cmake_text import InstallRule
 
 
-MARKER = "share/ament_index/resource_index/packages"  # below the prefix
 MOST_FILES = 20_000
 # Folders that are installed by accident, with install(DIRECTORY .), and that nobody looks up.
 UNSEEN_FOLDERS = frozenset({".git", "__pycache__", "build", "install", "log"})
@@ -58,7 +58,7 @@ def read_build_facts(
     """
     missing = tuple(_missing_build_file(source, name, build_type))
     if build_type == "ament_python":
-        from wsgen.packages.build_files.python_facts import read_python  # noqa: PLC0415  the others need none
+        from wsgen.packages.build_files.python_checks import read_python  # noqa: PLC0415  the others need none
 
         facts, found = read_python(source, name)
         return facts, missing or found
@@ -98,7 +98,7 @@ def _cmake_facts(reader: Reader) -> BuildFacts:
         for mention in reader.mentions.get(command, ())[:1]:
             for path, source in (
                 (f"share/{name}/package.xml", reader.source / "package.xml"),
-                (f"{MARKER}/{name}", None),
+                (f"{INDEX}/{name}", None),
             ):
                 found.files.append(
                     InstalledFile(

@@ -18,7 +18,14 @@ from wsgen.packages.build_files.install_checks import (
     is_misplaced,
     uninstalled_folders,
 )
-from wsgen.packages.build_files.python_setup import CONSOLE_SCRIPTS, folder_of, parse
+from wsgen.packages.build_files.python_setup import (
+    CONSOLE_SCRIPTS,
+    folder_of,
+    parse,
+    python_facts,
+    read_setup,
+)
+from wsgen.packages.source_shares import INDEX
 from wsgen.text.suggestions import ask_for_nearest, did_you_mean, nearest
 from wsgen.text.values import lazy_pattern
 
@@ -152,7 +159,13 @@ OTHER_KEYWORDS = frozenset(
         *("libraries", "headers", "include_dirs", "package_name", "distclass", "ext_modules"),
     }
 )
-MARKERS = "share/ament_index/resource_index/packages"
+
+
+def read_python(source: Path, name: str) -> tuple[BuildFacts, tuple[Diagnostic, ...]]:
+    """Read setup.py and setup.cfg of a package, and report what is wrong with them."""
+    setup, configuration = read_setup(source)
+    facts = python_facts(setup, source, name)
+    return facts, tuple(check_setup(setup, configuration, facts, source, name))
 
 
 def check_setup(
@@ -306,13 +319,13 @@ def markers(setup: Setup, package: str) -> Iterator[Diagnostic]:
     """Report that data_files lacks the marker of the package or its package.xml."""
     places = {_place(one): one for one in setup.data_files}
     line = setup.line_of("data_files")
-    if f"{MARKERS}/{package}" not in places:
+    if f"{INDEX}/{package}" not in places:
         yield MISSING_MARKER.at(
             setup.file,
             line,
             package,
             message=f"data_files does not install the marker resource/{package}.",
-            hint=f"Create the empty file resource/{package}, and add to data_files: ('{MARKERS}', "
+            hint=f"Create the empty file resource/{package}, and add to data_files: ('{INDEX}', "
             f"['resource/{package}'])",
         )
     if f"share/{package}/package.xml" not in places:

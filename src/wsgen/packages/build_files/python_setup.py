@@ -1,9 +1,10 @@
-"""What setup.py and setup.cfg of an ament_python package say."""
+"""What setup.py and setup.cfg of an ament_python package say, and what they install."""
 
 from __future__ import annotations
 
 import ast
 import os
+import posixpath
 import re
 import sys
 import warnings
@@ -12,6 +13,7 @@ from dataclasses import field
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
+from wsgen.model.build_facts import BuildFacts, Executable, InstalledFile, PythonPackage
 from wsgen.packages.build_files.python_values import (
     UNKNOWN,
     Evaluator,
@@ -21,6 +23,7 @@ from wsgen.packages.build_files.python_values import (
     items_of,
     line_of,
 )
+from wsgen.packages.source_shares import INDEX
 from wsgen.text.files import read_regular, read_regular_text
 from wsgen.text.pythontree import parse_anew
 from wsgen.text.suggestions import nearest
@@ -367,3 +370,77 @@ def folder_of(package: str, setup: Setup) -> str:
         if folder is not None:
             return os.path.join(folder, *parts[length:])
     return os.path.join(*parts)
+
+
+def python_facts(setup: Setup, source: Path, name: str) -> BuildFacts:
+    """What setup.py and setup.cfg have colcon install."""
+    line = setup.call_line or 1
+    # colcon installs both where data_files does not have them.
+    installed = {
+        f"{INDEX}/{name}": InstalledFile(
+            source=None, destination=f"{INDEX}/{name}", file=setup.file, line=line
+        ),
+        f"share/{name}/package.xml": InstalledFile(
+            source=source / "package.xml",
+            destination=f"share/{name}/package.xml",
+            file=setup.file,
+            line=line,
+        ),
+    }
+    for one in setup.data_files:
+        path = source / one.name
+        place = posixpath.normpath(posixpath.join(one.folder, path.name))
+        if path.is_file() and not place.startswith(("/", "..")):
+            installed[place] = InstalledFile(
+                source=Path(os.path.normpath(path)),
+                destination=place,
+                file=setup.file,
+                line=one.line,
+            )
+    executables: list[Executable] = []
+    if installs_scripts_for_ros(setup, name):
+        executables += [
+            Executable(name=one.name, file=one.file, line=one.line, entry_point=one.target)
+            for one in setup.scripts
+            if one.name and setup.scripts_group == CONSOLE_SCRIPTS
+        ]
+        executables += [
+            Executable(name=os.path.basename(file), file=setup.file, line=at, source=source / file)
+            for file, at in setup.script_files
+        ]
+    executables += [
+        Executable(
+            name=posixpath.basename(one.destination),
+            file=one.file,
+            line=one.line,
+            source=one.source,
+        )
+        for one in installed.values()
+        if posixpath.dirname(one.destination) == f"lib/{name}"
+        and one.source is not None
+        and os.access(one.source, os.X_OK)
+    ]
+    return BuildFacts(
+        build_file=setup.file,
+        installed=tuple(installed.values()),
+        executables=tuple(executables),
+        python_packages=tuple(_python_packages(setup, source)),
+        is_whole=setup.is_whole and setup.call_line is not None,
+    )
+
+
+def installs_scripts_for_ros(setup: Setup, name: str) -> bool:
+    """Whether setup.cfg has setuptools write scripts to lib/PACKAGE."""
+    place = (setup.install_scripts or "").replace("$base/", "").rstrip("/")
+    return place == f"lib/{name}"
+
+
+def _python_packages(setup: Setup, source: Path) -> Iterator[PythonPackage]:
+    for package, line in setup.packages or ():
+        folder = source / folder_of(package, setup)
+        if folder.is_dir():
+            yield PythonPackage(name=package, source=folder, file=setup.file, line=line)
+    for module, line in setup.modules:
+        file = source / setup.package_folders.get("", "") / f"{module.replace('.', '/')}.py"
+        if file.is_file():
+            yield PythonPackage(name=module, source=file, file=setup.file, line=line)
