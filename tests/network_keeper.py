@@ -14,7 +14,7 @@ import struct
 import sys
 from pathlib import Path
 
-from wsgen.live.domains import DOMAINS, LOCK
+from wsgen.live.resources import DOMAINS, LOCK
 
 CLONE_NEWUSER, CLONE_NEWNET = 0x10000000, 0x40000000  # linux/sched.h
 SIOCGIFFLAGS, SIOCSIFFLAGS = 0x8913, 0x8914  # linux/sockios.h

@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.errors import NotReadableError
 from wsgen.isolation import system
-from wsgen.live.domains import DOMAINS, LOCK, take_domain
+from wsgen.live.resources import DOMAINS, LOCK, take_domain
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

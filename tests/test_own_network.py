@@ -17,8 +17,8 @@ import own_network
 from own_network import outside, ros_domain
 from ros_for_tests import variables_for
 from wsgen.isolation import system
-from wsgen.live import domains
-from wsgen.live.domains import FIRST_PORT, LOCK, PORTS
+from wsgen.live import resources
+from wsgen.live.resources import FIRST_PORT, LOCK, PORTS
 
 if TYPE_CHECKING:
     from wsgen.ros.environment import RosEnvironment
@@ -55,7 +55,7 @@ import sys
 from contextlib import ExitStack
 from wsgen.errors import NotReadableError
 from wsgen.isolation import system
-from wsgen.live.domains import take_domain
+from wsgen.live.resources import take_domain
 with ExitStack() as taken:
     try:
         while True:
@@ -124,13 +124,13 @@ def test_domains_of_sessions_leave_some_to_others(
     workers: int, taken: int, number: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     name = f"wsgen-{os.getpid()}-domain"  # nobody else has locks of that name
-    for module in (own_network, domains):
+    for module in (own_network, resources):
         monkeypatch.setattr(module, "LOCK", f"\0{name}-{{}}")
-    monkeypatch.setattr(domains, "_used_ports", set)
+    monkeypatch.setattr(resources, "_used_ports", set)
     with ExitStack() as stack:
         monkeypatch.setattr(own_network, "_kept", stack)
         for _ in range(taken):
-            stack.enter_context(domains.take_domain())
+            stack.enter_context(resources.take_domain())
         assert len(own_network._domains_of_live(workers)) == number
 
 

@@ -14,7 +14,7 @@ import pytest
 
 from wsgen.cli import run
 from wsgen.cli.launch import RateType
-from wsgen.live.failures import FailedProgram
+from wsgen.live.journal import FailedProgram
 from wsgen.live.run import RunEnd
 from wsgen.pipeline.file_validation import UNUSABLE_FILE
 from wsgen.text.files import write_file

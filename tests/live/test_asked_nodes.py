@@ -14,8 +14,7 @@ import pytest
 from live_launch import wait_until
 from own_network import ros_domain
 from ros_for_tests import plain_environment, ros_with, variables_for
-from wsgen.live.asked_nodes import AskedNodes
-from wsgen.live.launch_node import MODULE
+from wsgen.live.asked_nodes import LAUNCH_NODE, AskedNodes
 from wsgen.model.plan import Process
 
 if TYPE_CHECKING:
@@ -447,7 +446,7 @@ def test_a_request_that_cannot_be_done_ends_no_other_one() -> None:
         requests.append({"do": "load", "id": number, "parameters": {"cov": value}, **part})
     text = "".join(f"{json.dumps(one)}\n" for one in requests)
     done = subprocess.run(
-        [str(ros.python), "-m", MODULE],
+        [str(ros.python), "-m", LAUNCH_NODE],
         input=text,
         env=variables,
         capture_output=True,

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from wsgen.errors import RequestError
-from wsgen.live.awaited import check_awaited
+from wsgen.live.plan_checks import check_awaited
 from wsgen.model.plan import Include, LaunchPlan, Process
 
 PLAN = LaunchPlan(

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.live.distribution import distro_of_nodes, with_distro
+from wsgen.live.needed_ros import distro_of_nodes, with_distro
 from wsgen.packages.workspace.manifest import Dependency, Manifest
 from wsgen.ros.environment import RosEnvironment
 

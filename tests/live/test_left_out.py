@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from wsgen.launching.known_packages import prefix
-from wsgen.live.programs import BuiltIn, LeftOut, find_component, find_replacement
+from wsgen.live.replacements import BuiltIn, LeftOut, find_component, find_replacement
 from wsgen.packages.source_shares import VARIABLE
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ import pytest
 
 from wsgen.cli.live_run import run_for_behaviors
 from wsgen.errors import NotFoundError
-from wsgen.live.linux import require_linux
+from wsgen.isolation.system import require_linux
 from wsgen.testing import plugin
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.live.messages import (
+from wsgen.live.needed_ros import (
     messages_of_devices,
     messages_of_packages,
     messages_of_plan,

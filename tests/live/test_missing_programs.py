@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from wsgen.live.missing_programs import CANNOT_RUN, cannot_run
+from wsgen.live.plan_checks import CANNOT_RUN, cannot_run
 from wsgen.model.plan import LaunchPlan, Process
 
 FILE = Path("robot.launch.py")

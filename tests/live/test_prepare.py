@@ -13,7 +13,7 @@ from wsgen.building.last_build import FAILED_BUILD
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.errors import NotFoundError
 from wsgen.launching.launch_warnings import UNUSED_ARGUMENT
-from wsgen.live.missing_programs import ABSENT_LAUNCH_MODULE, STARTS_NOTHING
+from wsgen.live.plan_checks import ABSENT_LAUNCH_MODULE, STARTS_NOTHING
 from wsgen.live.prepare import BrokenRunError, Prepared, RunRequest, prepare
 from wsgen.live.request import ServiceRequest
 from wsgen.live.resolve import Resolver

@@ -17,8 +17,8 @@ import pytest
 
 from wsgen.errors import NotFoundError
 from wsgen.isolation.stale import PREFIX, held
-from wsgen.live.nodes.silence import Run
-from wsgen.live.program import find_command
+from wsgen.live.nodes.unanswered import Run
+from wsgen.live.replacements import find_command
 from wsgen.live.resolve import write_ros2
 from wsgen.live.run import note_end, note_start
 from wsgen.ros.environment import RosEnvironment

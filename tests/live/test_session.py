@@ -23,10 +23,8 @@ from wsgen.diagnostics import Severity
 from wsgen.errors import NotReadableError, RequestError, SessionDiedError
 from wsgen.launching.launch_warnings import UNUSED_ARGUMENT
 from wsgen.launching.spawning import NO_ROBOT
-from wsgen.live import activity, behaviors, domains, messenger, session
-from wsgen.live.activity import Activity, cpu_seconds, is_at_work
+from wsgen.live import behaviors, messenger, resources, session
 from wsgen.live.behaviors import LONGEST_LINE, Way, _cause
-from wsgen.live.domains import take_domain
 from wsgen.live.journal import (
     KEPT_LINES,
     OTHER,
@@ -36,6 +34,7 @@ from wsgen.live.journal import (
     Journal,
     JournalWriter,
 )
+from wsgen.live.resources import Activity, cpu_seconds, is_at_work, take_domain
 from wsgen.live.session import LiveSession, LiveState
 from wsgen.model.behavior import Behavior, BehaviorRun, LaunchTask
 from wsgen.pipeline.requests import ValidateRequest
@@ -186,7 +185,7 @@ def test_who_has_ended_may_be_unknown(
 
 TAKE = """
 import sys, time
-from wsgen.live.domains import take_domain
+from wsgen.live.resources import take_domain
 with take_domain() as domain:
     print(domain.number, flush=True)
     sys.stdin.read()
@@ -206,21 +205,21 @@ def test_nobody_else_gets_a_domain_while_it_is_taken() -> None:
         other.communicate()
         lock = socket.socket(socket.AF_UNIX)
         with lock:
-            lock.bind(domains.LOCK.format(number))  # it is free again
+            lock.bind(resources.LOCK.format(number))  # it is free again
     assert 1 <= first.number <= 101
 
 
 def test_ports_that_somebody_uses_are_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     with take_domain() as free:
         pass
-    taken = domains.FIRST_PORT + domains.PORTS * free.number + 11
-    monkeypatch.setattr(domains, "_used_ports", lambda: {taken})
+    taken = resources.FIRST_PORT + resources.PORTS * free.number + 11
+    monkeypatch.setattr(resources, "_used_ports", lambda: {taken})
     with take_domain() as domain:
         assert domain.number != free.number
 
 
 def test_all_domains_in_use_are_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(domains, "_used_ports", lambda: set(range(40_000)))
+    monkeypatch.setattr(resources, "_used_ports", lambda: set(range(40_000)))
     with pytest.raises(NotReadableError, match="ROS domains"), take_domain():
         pass
 
@@ -228,7 +227,7 @@ def test_all_domains_in_use_are_an_error(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_used_ports_are_seen() -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
         one.bind(("127.0.0.1", 0))
-        assert one.getsockname()[1] in domains._used_ports()
+        assert one.getsockname()[1] in resources._used_ports()
 
 
 # Threads that work.
@@ -259,7 +258,7 @@ def test_a_process_that_computes_is_at_work(word: str, *, expected: bool) -> Non
         assert used is not None
         assert is_at_work(child.pid) is expected
         if expected:
-            assert used - before >= activity.LONGEST / 2 or waited >= activity.LONGEST_WAIT
+            assert used - before >= resources.LONGEST / 2 or waited >= resources.LONGEST_WAIT
     finally:
         child.kill()
         child.communicate()
@@ -292,9 +291,9 @@ class Machine:
 @pytest.fixture
 def machine(monkeypatch: pytest.MonkeyPatch) -> Machine:
     made = Machine(share=1.0)
-    monkeypatch.setattr(activity, "time", made)
-    monkeypatch.setattr(activity, "is_at_work", made.is_at_work)
-    monkeypatch.setattr(activity, "cpu_seconds", made.cpu_seconds)
+    monkeypatch.setattr(resources, "time", made)
+    monkeypatch.setattr(resources, "is_at_work", made.is_at_work)
+    monkeypatch.setattr(resources, "cpu_seconds", made.cpu_seconds)
     return made
 
 
@@ -312,7 +311,7 @@ def test_who_never_sleeps_is_waited_for_no_longer(machine: Machine, share: float
     for _ in range(20):
         before = machine.now
         watch.wait_until_idle([7])
-        expected = activity.LONGEST / share if share else activity.LONGEST_WAIT
+        expected = resources.LONGEST / share if share else resources.LONGEST_WAIT
         assert machine.now - before == pytest.approx(expected, abs=0.01)
     watch.wait_until_idle([7])  # what was counted is a little less than the whole
     before = machine.now
@@ -484,7 +483,7 @@ def test_it_waits_until_something_holds_and_no_longer(rig: Rig) -> None:
 def test_who_has_not_appeared_is_waited_for(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     Clock(rig, monkeypatch)
     monkeypatch.setattr(session, "SECONDS_TO_APPEAR", 0.3)
-    monkeypatch.setattr(activity.CpuTimes, "idle", lambda *_: set())
+    monkeypatch.setattr(resources.CpuTimes, "idle", lambda *_: set())
     rig.writer.started("driver-2", os.getpid(), "/driver", OTHER)
     rig.writer.started("slow-3", os.getpid(), "/slow", OTHER)
     rig.session.start()
@@ -656,7 +655,7 @@ def test_a_robot_that_is_assumed_is_awaited_once_its_spawner_has_joined(
     """A spawner imports its modules for longer than a robot is awaited; its end starts a node."""
     clock = Clock(rig, monkeypatch)
     monkeypatch.setattr(session, "SECONDS_TO_SPAWN", 0.5)
-    monkeypatch.setattr(activity.CpuTimes, "idle", lambda *_: set())
+    monkeypatch.setattr(resources.CpuTimes, "idle", lambda *_: set())
     rig.session.entities, rig.session.assumed = (), ("rover",)
     rig.simulator.robot_comes_at = math.inf
     rig.writer.started("spawner-2", os.getpid(), "/spawner", OTHER)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.live.shared_memory import remove_left_behind
+from wsgen.live.resources import remove_left_behind
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -53,7 +53,7 @@ def test_what_is_in_the_memory_of_a_process_stays(folder: Path) -> None:
 def test_what_another_container_has_locked_stays(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("wsgen.live.shared_memory._used", lambda _folder: set())
+    monkeypatch.setattr("wsgen.live.resources._used_segments", lambda _folder: set())
     with (folder / "fastdds_12ab_el").open("r+b") as stream:
         fcntl.flock(stream, fcntl.LOCK_SH)
         remove_left_behind(0.0, folder)
@@ -66,8 +66,8 @@ def test_a_lock_that_may_not_be_opened_keeps_its_segment(
     def refuse(path: Path, flags: int) -> int:
         raise PermissionError(path, flags)
 
-    monkeypatch.setattr("wsgen.live.shared_memory.os.open", refuse)
-    monkeypatch.setattr("wsgen.live.shared_memory._used", lambda _folder: set())
+    monkeypatch.setattr("wsgen.live.resources.os.open", refuse)
+    monkeypatch.setattr("wsgen.live.resources._used_segments", lambda _folder: set())
     remove_left_behind(0.0, folder)
     assert len(_names(folder)) == len(NAMES) + 1
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.live.failures import FailedProgram, read_failures
+from wsgen.live.journal import FailedProgram, read_failures
 from wsgen.live.tracebacks import CHAINED, MOST_SECONDS_AFTER, LastTraceback, explain_source
 
 if TYPE_CHECKING:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wsgen.live.nodes.absent_service import absent_service
+from wsgen.live.nodes.unanswered import absent_service
 
 EMPTY, TRIGGER = "std_srvs/srv/Empty", "std_srvs/srv/Trigger"
 OFFERED = {

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.live.nodes.message_definitions import SEPARATOR, definition_of
+from wsgen.live.nodes.messages import SEPARATOR, definition_of
 
 TEXTS = {
     "sensor_msgs/msg/LaserScan": "# a scan\nstd_msgs/Header header # of it\nfloat32[] ranges\n",

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from wsgen.live.nodes.published_joints import (
+from wsgen.live.nodes.joint_frames import (
     Dependence,
     DependenceError,
     PublishedJoints,

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
 from wsgen.isolation.stale import held
-from wsgen.live.nodes.silence import Run, Silence
+from wsgen.live.nodes.unanswered import Run, Silence
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.live.nodes import simulator_time
+from wsgen.live.nodes import simulator_client
 from wsgen.simulation.live_scene import short_name, socket_path
 
 if TYPE_CHECKING:
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 def test_it_is_asked_as_soon_as_the_simulator_is_there(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(simulator_time, "ASK_SECONDS", 0.0)
-    time = simulator_time.SimulatorTime(tmp_path)
+    monkeypatch.setattr(simulator_client, "ASK_SECONDS", 0.0)
+    time = simulator_client.SimulatorTime(tmp_path)
     assert time.nanoseconds() == 0  # it is not there yet
     server = socket.socket(socket.AF_UNIX)
     with short_name(socket_path(tmp_path)) as name:
@@ -41,7 +41,7 @@ def test_it_is_asked_as_soon_as_the_simulator_is_there(
     assert [time.nanoseconds(), time.nanoseconds()] == [1_500_000_000, 2_250_000_000]
     thread.join()
     assert time.nanoseconds() == 2_250_000_000  # it has ended
-    monkeypatch.setattr(simulator_time, "ASK_SECONDS", 60.0)
+    monkeypatch.setattr(simulator_client, "ASK_SECONDS", 60.0)
     time.nanoseconds()
     assert time.nanoseconds() == 2_250_000_000  # it is not asked for each message
     time.close()
@@ -51,9 +51,9 @@ def test_it_is_asked_as_soon_as_the_simulator_is_there(
 def test_a_simulator_that_hangs_holds_nobody(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(simulator_time, "ASK_SECONDS", 0.0)
-    monkeypatch.setattr(simulator_time, "PATIENCE_SECONDS", 0.01)
-    time = simulator_time.SimulatorTime(tmp_path)
+    monkeypatch.setattr(simulator_client, "ASK_SECONDS", 0.0)
+    monkeypatch.setattr(simulator_client, "PATIENCE_SECONDS", 0.01)
+    time = simulator_client.SimulatorTime(tmp_path)
     with socket.socket(socket.AF_UNIX) as server:
         with short_name(socket_path(tmp_path)) as name:
             server.bind(name)
@@ -71,15 +71,15 @@ def test_a_simulator_that_hangs_holds_nobody(
 
         thread = threading.Thread(target=serve)
         thread.start()
-        monkeypatch.setattr(simulator_time, "PATIENCE_SECONDS", 60.0)
-        time = simulator_time.SimulatorTime(tmp_path)
+        monkeypatch.setattr(simulator_client, "PATIENCE_SECONDS", 60.0)
+        time = simulator_client.SimulatorTime(tmp_path)
         assert [time.nanoseconds() for _ in answers] == [0, 0, 2_000_000_000]
         thread.join()
         time.close()
 
 
 def test_what_the_time_was_when_a_message_was_sent() -> None:
-    times = simulator_time.SimulatedTimes()
+    times = simulator_client.SimulatedTimes()
     assert times.at(5) == 0
     times.note(100, 7)  # the simulator was asked
     times.note(900, 8)
@@ -93,8 +93,8 @@ def test_what_the_time_was_when_a_message_was_sent() -> None:
 
 
 def test_old_times_are_forgotten(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(simulator_time, "MOST_TIMES", 4)
-    times = simulator_time.SimulatedTimes()
+    monkeypatch.setattr(simulator_client, "MOST_TIMES", 4)
+    times = simulator_client.SimulatedTimes()
     for sent in range(1, 8):
         times.note(sent, sent)
     assert (times.at(1), times.at(7)) == (5, 7)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 import pytest
 
 from wsgen.errors import RequestError, SessionDiedError
-from wsgen.live.nodes.message_fields import WrongFieldError, fill
+from wsgen.live.nodes.messages import WrongFieldError, fill
 from wsgen.testing import live as live_module
 from wsgen.testing.live import Live
 

@@ -76,7 +76,7 @@ def _share(ctx: click.Context, package: str) -> Path:
 
 def _programs(ctx: click.Context) -> Iterable[str]:
     """The programs of the package on the command line."""
-    from wsgen.live.program import executables
+    from wsgen.live.replacements import executables
     from wsgen.packages.workspace.layout import open_workspace
 
     package = ctx.params["package"]

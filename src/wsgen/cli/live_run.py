@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.events import Listener
-    from wsgen.live.failures import FailedProgram
+    from wsgen.live.journal import FailedProgram
     from wsgen.live.recording import Recorded, Recordings
     from wsgen.live.run import RunEnd
     from wsgen.model.behavior import BehaviorRun, LiveMeasurement
@@ -66,7 +66,7 @@ def run(
 
     import click
 
-    from wsgen.live.linux import require_linux
+    from wsgen.isolation.system import require_linux
 
     require_linux("--run", "--play simulates the robots here.")
     from wsgen.cli import raise_dropped_end, take_all_signals
@@ -294,7 +294,7 @@ def run_for_behaviors(
     selected: SelectedLaunchFile, request: ValidateRequest, behavior_runs: Sequence[BehaviorRun]
 ) -> Mapping[str, LiveMeasurement]:
     """Run a launch file for each of these behaviors; see `wsgen.live.behaviors`."""
-    from wsgen.live.linux import require_linux
+    from wsgen.isolation.system import require_linux
 
     require_linux("A behavior with run = true", "Behaviors without it are simulated here.")
     from wsgen.live.behaviors import run_live

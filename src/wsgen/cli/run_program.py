@@ -53,9 +53,9 @@ def command(
     from wsgen.cli.output import render_diagnostics
     from wsgen.cli.progress import listening
     from wsgen.cli.ros_tool import overlay_environment
-    from wsgen.live.linux import require_linux
-    from wsgen.live.messages import messages_of_packages, messages_of_text
-    from wsgen.live.program import find_command
+    from wsgen.isolation.system import require_linux
+    from wsgen.live.needed_ros import messages_of_packages, messages_of_text
+    from wsgen.live.replacements import find_command
     from wsgen.packages.workspace.layout import find_packages, workspace_if_any
     from wsgen.packages.workspace.overlay import overlay_of
     from wsgen.pipeline.changed_since_build import changed_since_build, shares_of, with_needs
@@ -169,7 +169,7 @@ def _script_command(script: Path, arguments: Sequence[str], python: str) -> tupl
     import os
     import shlex
 
-    from wsgen.live.program import is_python
+    from wsgen.live.replacements import is_python
 
     if script.suffix == PYTHON or is_python(script):
         return (python, str(script), *arguments)
@@ -189,8 +189,7 @@ def _warnings(
     """What will end a program at once: nobody could say so afterwards."""
     from pathlib import Path
 
-    from wsgen.live.lacking import lacking_modules, syntax_error
-    from wsgen.live.missing_modules import explain_module
+    from wsgen.live.missing_modules import explain_module, lacking_modules, syntax_error
     from wsgen.live.tracebacks import explain_source
 
     for module in lacking_modules(words, variables):

@@ -15,6 +15,8 @@ import sys
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
+from wsgen.errors import NotFoundError
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -131,3 +133,21 @@ def end_with_parent_by_thread(parent_death_pipe: int, number: int | None = None)
         end_tree(os.getpid(), number)
 
     _thread.start_new_thread(wait, ())
+
+
+def require_linux(what: str, instead: str) -> None:
+    """Refuse what runs nodes where their processes could not be ended for certain.
+
+    Args:
+        what: Its name, with which the message begins.
+        instead: What can be done elsewhere, a sentence.
+
+    Raises:
+        NotFoundError: This is not Linux.
+    """
+    if not has_guards():
+        raise NotFoundError(
+            f"{what} needs Linux: processes are ended with all that they have started by what "
+            "Linux alone has.",
+            hint=f"{instead} On Windows use the Windows Subsystem for Linux.",
+        )

@@ -13,21 +13,23 @@ from wsgen.gazebo.systems import DEFAULT_SYSTEMS
 from wsgen.isolation.codec import encode
 from wsgen.launching import known_packages
 from wsgen.launching.evaluate import DISTRO_OF_LAUNCHES
-from wsgen.live.awaited import check_awaited
-from wsgen.live.distribution import VARIABLE, distro_of_nodes, with_distro
-from wsgen.live.messages import (
+from wsgen.live.later_entities import Preparer, serve
+from wsgen.live.needed_ros import (
+    VARIABLE,
+    distro_of_nodes,
     messages_of_devices,
     messages_of_packages,
     messages_of_plan,
     messages_of_robots_to_come,
+    with_distro,
 )
-from wsgen.live.missing_programs import (
+from wsgen.live.plan_checks import (
     absent_modules,
     cannot_run,
+    check_awaited,
     nothing_started,
     starts_nothing,
 )
-from wsgen.live.preparer import Preparer, serve
 from wsgen.live.recording import Recordings
 from wsgen.live.request import NodeServerRequest, ServiceRequest
 from wsgen.model.plan import LaunchRequest

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 from wsgen.errors import EXIT_MISSING
 from wsgen.launching import commands, known_packages
 from wsgen.launching.package_lookup import NOT_COMPILED
-from wsgen.live import launch_node
+from wsgen.live.asked_nodes import LAUNCH_NODE
 from wsgen.live.journal import OTHER, SIMULATOR, SPAWNER, STANDARD
-from wsgen.live.programs import SPAWNERS, BuiltIn, LeftOut, find_replacement
+from wsgen.live.replacements import SPAWNERS, BuiltIn, LeftOut, find_replacement
 from wsgen.ros.environment.environment import DISCOVERY_VARIABLES
 from wsgen.ros.environment.processes import module_command
 from wsgen.simulation.live_runs import DOMAIN
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from wsgen.launching.live import Start
-    from wsgen.live.programs import Replaced
+    from wsgen.live.replacements import Replaced
     from wsgen.live.request import ServiceRequest
     from wsgen.model.plan import Process
 
@@ -190,12 +190,12 @@ class Resolver:
 
     def launch_node(self) -> Resolved:
         """What asks nodes for the launch."""
-        command = module_command(self._request.python, launch_node.MODULE)
+        command = module_command(self._request.python, LAUNCH_NODE)
         return Resolved(
             command=command,
             shown=("launch_ros",),
             is_ours=True,
-            forked=Forked(module=launch_node.MODULE, words=()),
+            forked=Forked(module=LAUNCH_NODE, words=()),
         )
 
     def _ros2_run(self, program: Process, start: Start) -> Resolved | LeftOut:

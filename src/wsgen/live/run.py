@@ -13,7 +13,7 @@ from wsgen.errors import NotReadableError, RequestError, SessionDiedError
 from wsgen.isolation import parent
 from wsgen.isolation.codec import decode
 from wsgen.isolation.result import Died
-from wsgen.live.failures import FailedProgram, read_failures
+from wsgen.live.journal import FailedProgram, read_failures
 from wsgen.live.prepare import BrokenRunError, environment_of_launch, prepared_request
 from wsgen.live.recording import Recorded, recording_topics
 from wsgen.live.service_child import start_service

@@ -20,8 +20,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from wsgen.launching.record import CommandOutcome
-from wsgen.live import launch_node
-from wsgen.live.asked_nodes import AskedNodes, managed_by
+from wsgen.live.asked_nodes import AskedNodes, LaunchNode, managed_by
 from wsgen.live.includes import entities_of
 from wsgen.live.journal import JournalWriter
 from wsgen.live.process import (
@@ -31,7 +30,7 @@ from wsgen.live.process import (
     RunningProcess,
     signal_number,
 )
-from wsgen.live.programs import LeftOut, find_component
+from wsgen.live.replacements import LeftOut, find_component
 from wsgen.live.request import INTERRUPT, TERMINATE
 from wsgen.live.resolve import Resolved, Resolver, is_node
 from wsgen.live.screen import (
@@ -42,10 +41,8 @@ from wsgen.live.screen import (
     log_base,
     make_log_folder,
 )
-from wsgen.live.shutdown import Shutdown
-from wsgen.live.simulated_time import SimulatedTime
-from wsgen.live.termination import Termination
-from wsgen.live.timeline import LiveTimeline, ScheduledCall
+from wsgen.live.termination import Shutdown, Termination
+from wsgen.live.timeline import LiveTimeline, ScheduledCall, SimulatedTime
 from wsgen.ros.environment.environment import (
     ON_THIS_MACHINE,
     PROFILES,
@@ -497,10 +494,10 @@ class Service:
             environment.update(profiles_of(environment))
         return environment
 
-    def _begin_launch_node(self) -> launch_node.LaunchNode:
+    def _begin_launch_node(self) -> LaunchNode:
         """Start what asks nodes, in the environment that the launch has now."""
         environment = self._environment_of(os.environ, is_ours=True)
-        started = launch_node.LaunchNode(
+        started = LaunchNode(
             partial(self._begin_process, self._resolver.launch_node(), None, environment)
         )
         self._selector.register(started.descriptor, selectors.EVENT_READ, self._asked)

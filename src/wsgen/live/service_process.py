@@ -30,7 +30,7 @@ from wsgen.live.request import (
     NodeServerRequest,
     ServiceRequest,
 )
-from wsgen.live.shared_memory import remove_left_behind
+from wsgen.live.resources import remove_left_behind
 from wsgen.simulation.live_runs import REQUEST_FILE
 
 Kind = TypeVar("Kind")

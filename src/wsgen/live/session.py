@@ -23,8 +23,6 @@ from wsgen.errors import RequestError, SessionDiedError
 from wsgen.isolation import parent
 from wsgen.isolation.result import read_tail
 from wsgen.launching.launch_warnings import UNUSED_ARGUMENT
-from wsgen.live.activity import Activity, CpuTimes
-from wsgen.live.domains import take_domain
 from wsgen.live.journal import SIMULATOR, SPAWNER, Journal
 from wsgen.live.messenger import Messenger
 from wsgen.live.prepare import (
@@ -34,6 +32,7 @@ from wsgen.live.prepare import (
     environment_of_launch,
     prepared_request,
 )
+from wsgen.live.resources import Activity, CpuTimes, take_domain
 from wsgen.live.service_child import start_service
 from wsgen.model.transform import Pose, rotation_of_quaternion, rpy_of_rotation
 from wsgen.pipeline.engines import check_engines

@@ -311,7 +311,7 @@ class _RunningLive:
 
     def __enter__(self) -> Live:
         from wsgen.errors import NotFoundError, WsgenError  # noqa: PLC0415  see the top
-        from wsgen.live.linux import require_linux  # noqa: PLC0415
+        from wsgen.isolation.system import require_linux  # noqa: PLC0415
 
         __tracebackhide__ = True
         try:

@@ -57,7 +57,7 @@ MODULES = (
     "wsgen.descriptions.meshes.inspection",
     "wsgen.descriptions.meshes.requests",
     "wsgen.descriptions.meshes.shape_meshes",
-    "wsgen.live.missing_programs",
+    "wsgen.live.plan_checks",
     "wsgen.pipeline.changed_since_build",
     "wsgen.pipeline.file_validation",
     "wsgen.pipeline.gazebo_models",

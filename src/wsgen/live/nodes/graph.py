@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Any
 import rclpy
 
 from rosidl_runtime_py.utilities import get_message
-from wsgen.live.nodes.silence import SECONDS
+from wsgen.live.nodes.unanswered import SECONDS
 from wsgen.ros.environment.interfaces import buildable
 from wsgen.text.suggestions import did_you_mean, misspelled_as, nearest
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from wsgen.live.nodes.silence import Silence
+    from wsgen.live.nodes.unanswered import Silence
 
 STEP_SECONDS = 0.05
 PATIENCE_SECONDS = 3.0

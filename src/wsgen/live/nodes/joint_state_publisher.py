@@ -17,14 +17,14 @@ from rclpy.utilities import remove_ros_args
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
-from wsgen.live.nodes.program import FatalError, run
-from wsgen.live.nodes.published_joints import (
+from wsgen.live.nodes.joint_frames import (
     DependenceError,
     PublishedJoints,
     Settings,
     numbers,
     read_dependences,
 )
+from wsgen.live.nodes.spinning import FatalError, run
 
 NAME = "joint_state_publisher"
 DEFAULTS: dict[str, Any] = {

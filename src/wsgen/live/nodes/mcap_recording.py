@@ -16,9 +16,9 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 from ament_index_python.packages import get_package_share_directory
-from wsgen.live.nodes.message_definitions import definition_of
+from wsgen.live.nodes.messages import definition_of
 from wsgen.live.nodes.signals import ENDING, ignore_ends
-from wsgen.live.nodes.simulator_time import SimulatedTimes, SimulatorTime
+from wsgen.live.nodes.simulator_client import SimulatedTimes, SimulatorTime
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

@@ -25,7 +25,6 @@ from rclpy.executors import SingleThreadedExecutor
 
 from rosidl_runtime_py import message_to_ordereddict, set_message_fields
 from rosidl_runtime_py.utilities import get_service
-from wsgen.live.nodes.absent_service import absent_service
 from wsgen.live.nodes.graph import (
     Refusal,
     class_of_topic,
@@ -34,9 +33,10 @@ from wsgen.live.nodes.graph import (
     node_names,
     topics,
 )
-from wsgen.live.nodes.message_fields import WrongFieldError, fill
+from wsgen.live.nodes.messages import WrongFieldError, fill
 from wsgen.live.nodes.simulator.ros import Ros
 from wsgen.live.nodes.topic_verbs import matching_profile
+from wsgen.live.nodes.unanswered import absent_service
 from wsgen.text.suggestions import ask_for_nearest
 
 if TYPE_CHECKING:

@@ -21,7 +21,7 @@ from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 
 from wsgen.live.nodes.joint_frames import RefusedDescriptionError, read_joint_frames
-from wsgen.live.nodes.program import FatalError, leave_clock, run
+from wsgen.live.nodes.spinning import FatalError, leave_clock, run
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -20,7 +20,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.utilities import remove_ros_args
 from tf2_msgs.msg import TFMessage
 
-from wsgen.live.nodes.program import FatalError, leave_clock, run
+from wsgen.live.nodes.spinning import FatalError, leave_clock, run
 from wsgen.live.nodes.static_transform_arguments import (
     OLD_STYLE_WARNING,
     USAGE,

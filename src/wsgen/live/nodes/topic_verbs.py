@@ -35,14 +35,14 @@ from wsgen.live.nodes.graph import (
     topics,
     type_name,
 )
-from wsgen.live.nodes.message_fields import WrongFieldError, fill
+from wsgen.live.nodes.messages import WrongFieldError, fill
 from wsgen.live.nodes.rates import Rates, one_topic, table
-from wsgen.live.nodes.silence import SECONDS
+from wsgen.live.nodes.unanswered import SECONDS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from wsgen.live.nodes.silence import Silence
+    from wsgen.live.nodes.unanswered import Silence
 
 POLL_SECONDS = 0.1
 SECONDS_TO_ARRIVE = 10.0  # of the clock, for the last message, on a busy machine

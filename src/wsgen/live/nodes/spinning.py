@@ -18,6 +18,7 @@ from rclpy.logging import get_logger
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+
 HEARTBEAT_SECONDS = 1.0
 
 

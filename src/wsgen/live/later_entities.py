@@ -21,12 +21,7 @@ from wsgen.errors import WsgenError
 from wsgen.isolation.codec import decode, encode
 from wsgen.model.world import Spawn
 from wsgen.pipeline.run_robots import spawned_robots
-from wsgen.simulation.live_scene import (
-    NewEntity,
-    PreparedEntity,
-    preparer_path,
-    short_name,
-)
+from wsgen.simulation.live_scene import NewEntity, PreparedEntity, preparer_path, short_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -34,6 +29,7 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.pipeline.package_validation import Validation
+
 
 SECONDS_TO_END = 2.0  # wall-clock, for what is being prepared when the run ends
 
