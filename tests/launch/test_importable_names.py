@@ -41,7 +41,7 @@ def failures(module, names):
             yield f"from {module} import {name}: {error!r}"
 
 if sys.argv[3] == "all":
-    from launch._public import HOMES, NAMES
+    from launch._finder import HOMES, NAMES
     asked = {module: ["*"] for module in HOMES}
     for package, names in NAMES.items():
         asked[package] = ["*", *names]
