@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from wsgen.checks.rules.robots import (
+    find_oversized,
     implausible_inertia,
     loose_joint,
     massless_root,
@@ -31,6 +32,7 @@ from wsgen.model.robot import (
     Link,
     Mesh,
     Plugin,
+    Primitive,
     Sphere,
     Visual,
 )
@@ -146,9 +148,63 @@ def wheel(radius: float, length: float = 0.1) -> Link:
 )
 def test_a_wheel_in_other_units(radius: float, type_of_joint: JointType, words: str | None) -> None:
     joint = Joint(name="j", type=type_of_joint, parent="base", child="wheel")
-    found = [*oversized_parts([link(0.1), wheel(radius)], [joint], FILE)]
+    oversized = find_oversized([link(0.1), wheel(radius)], [joint])
+    found = [*oversized_parts(oversized.values(), FILE)]
     assert [(one.code, one.line) for one in found] == ([] if words is None else [("ROB145", 9)])
     assert all(words in (one.hint or "") for one in found if words)
+
+
+def part(
+    shape: Primitive,
+    *,
+    mass: float,
+    moment: float,
+    name: str = "part",
+    seen: Primitive | None = None,
+) -> Link:
+    inertia = (moment, 0.0, 0.0, moment, 0.0, moment)
+    return Link(
+        name=name,
+        inertial=Inertial(mass=mass, inertia=inertia),
+        collisions=(Collision(geometry=shape),),
+        visuals=() if seen is None else (Visual(geometry=seen),),
+    )
+
+
+@pytest.mark.parametrize(
+    ("shape", "mass", "moment", "hint"),
+    [
+        # Its inertia is that of the shape in meters.
+        (Cylinder(radius=0.02, length=15), 1.0, 0.002, "for 15 cm, write 0.15."),
+        (Box(size=(40, 30, 10)), 5.0, 0.1, "for 40 30 10 cm, write 0.4 0.3 0.1."),
+        (Cylinder(radius=0.08, length=40), 0.5, 0.001, "for 40 mm, write 0.04."),
+        (Sphere(radius=5), 0.5, 0.0005, "for 5 cm, write 0.05."),
+        # Its inertia is that of the shape as it is, which is lighter than anything.
+        (Cylinder(radius=0.04, length=5), 0.2, 0.4, "for 5 cm, write 0.05."),
+        # A mast, a part next to nothing, and a part that only has too little inertia.
+        (Cylinder(radius=0.02, length=5), 5.0, 10.0, None),
+        (Box(size=(0.03, 0.2, 0.03)), 1e-5, 1e-6, None),
+        (Cylinder(radius=0.1, length=0.6), 5.0, 0.001, None),
+        (Box(size=(2, 1, 1)), 400.0, 1e-3, None),
+    ],
+)
+def test_a_size_in_other_units_by_its_mass(
+    shape: Primitive, mass: float, moment: float, hint: str | None
+) -> None:
+    links = [part(shape, mass=mass, moment=moment), link(0.1)]
+    oversized = find_oversized(links, [])
+    found = [*oversized_parts(oversized.values(), FILE)]
+    assert [one.hint for one in found] == ([] if hint is None else [f"Use meters: {hint}"])
+    advised = implausible_inertia(links, FILE, apart_from=oversized)
+    assert not hint or not [*advised]
+
+
+def test_a_visual_in_other_units_that_is_no_beam() -> None:
+    small, large = Cylinder(radius=0.1, length=0.4), Cylinder(radius=0.1, length=4)
+    wheel = part(small, mass=0.5, moment=0.67, seen=large)
+    beam = part(small, mass=0.5, moment=0.001, seen=large, name="beam")
+    (found,) = find_oversized([wheel, beam, link(0.1)], []).values()
+    assert (found.link, found.shape) == (wheel, large)
 
 
 def test_massless_root() -> None:

@@ -19,6 +19,7 @@ from wsgen.checks.rules import (
     worlds,
 )
 from wsgen.checks.rules.gazebo_topics import topics_of
+from wsgen.checks.rules.robots import OVERSIZED_PART
 from wsgen.checks.rules.spawn_heights import check_spawn_height
 from wsgen.descriptions.sdf.includes import DATABASE_MODELS, MODEL_LEFT_OUT
 from wsgen.descriptions.sdf.lookup import find_world, model_finder
@@ -222,7 +223,7 @@ def check_heights(
     if world is None or simulator is None or not world.has_ground_plane:
         return
     is_here = world.file is not None or not simulator.world
-    if not is_here or any(one.code in _LEFT_OUT for one in found):
+    if not is_here or any(one.code in _OTHER_HEIGHT for one in found):
         return
     is_bare = not any(one.is_static_model or one.may_move for one in scene)
     for one in scene:
@@ -233,7 +234,8 @@ def check_heights(
             )
 
 
-_LEFT_OUT = frozenset((MODEL_LEFT_OUT.code, DATABASE_MODELS.code))
+# The world lacks a model, or a size of the robot is in other units.
+_OTHER_HEIGHT = frozenset((MODEL_LEFT_OUT.code, DATABASE_MODELS.code, OVERSIZED_PART.code))
 
 
 def check_worlds(  # noqa: PLR0913  one of them has a default

@@ -59,15 +59,20 @@ def check_robot(
         distro=distro,
         preserved=preserved,
     )
+    oversized = robots.find_oversized(written.links, written.joints)
     driven = plugins.driven_joints(written.gazebo)
     driven |= ros2_control.driven_joints(written.controls, written.joints)
     return (
         *robots.number_beyond_engines(written.links, written.joints, file),
         *robots.implausible_size(written.links, written.joints, file),
-        *robots.oversized_parts(written.links, written.joints, file),
+        *robots.oversized_parts(oversized.values(), file),
         *robots.implausible_mass(written.links, written.joints, file),
-        *bodies.check_bodies(written.links, written.joints, file),
-        *robots.implausible_inertia(written.links, file, written.joints),
+        *bodies.check_bodies(
+            [link for link in written.links if link.name not in oversized], written.joints, file
+        ),
+        *robots.implausible_inertia(
+            written.links, file, written.joints, apart_from=oversized.keys()
+        ),
         *bodies.attached_bodies(written.links, written.joints, file),
         *robots.massless_root(
             written.link(written.root), written.joints, written.mass, file, preserved

@@ -5,12 +5,13 @@ The parameters of a check are facts in SI units; a check yields what it reports.
 
 from __future__ import annotations
 
+import itertools
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.gazebo.plugins import ROS_1_PLUGINS
-from wsgen.model.inertia import as_attributes, if_filled, principal_moments
+from wsgen.model.inertia import as_attributes, if_filled, of_solid, principal_moments
 from wsgen.model.robot import (
     Box,
     Capsule,
@@ -44,6 +45,10 @@ LIGHTEST = 1e-6
 # more, and a collision shape may be a good deal larger or smaller than the part.
 DENSE_PART = 3000.0  # kg/m³; parts of robots with motors in them are lighter
 OVERSIZED = 15.0  # times the rest of the robot
+FOAM = 100.0  # kg/m³; parts of robots are denser, but for what is hollow
+VERY_LIGHT = 10.0  # kg/m³; hollow parts of robots are denser
+DENSEST = 10_000.0  # kg/m³; of lead, or of a part that has a thinner shape
+MISSED_BY = 5.0  # times that an inertia, or a size, may be off all the same
 OF_MILLIMETERS = 120.0  # likewise: what is so much larger is in millimeters
 INERTIA_FACTOR = 30.0  # times the solid's largest moment, or that part of it
 
@@ -125,9 +130,11 @@ OVERSIZED_PART = Rule(
     name="oversized-part",
     severity=Severity.WARNING,
     severity_varies="an error where the simulation of the robot fails",
-    summary="A moving part is many times larger than the rest of the robot.",
+    summary="A part is many times larger than the rest of the robot, or than fits its mass.",
     what="Compares each primitive shape of links on movable joints with the largest of the other "
-    "shapes and the distances between the frames; reports factors above 15.",
+    "shapes and the distances between the frames; reports factors above 15. Reports smaller ones, "
+    "and other links, where mass and inertia are those of a body that is a hundred or a thousand "
+    "times as small.",
     why="Lengths in a URDF are in meters. A wheel with its radius in centimeters is a hundred "
     "times too large: the robot is spawned deep in the ground, or contact forces throw it into the "
     "air.",
@@ -140,11 +147,21 @@ OVERSIZED_PART = Rule(
 )
 
 
-def oversized_parts(
-    links: Sequence[Link], joints: Sequence[Joint], file: Path | None
-) -> Iterator[Diagnostic]:
-    """Report, once for parts of one size, moving parts whose size is in other units."""
+class Oversized(NamedTuple):
+    """A link with a shape whose size is in other units."""
+
+    link: Link
+    shape: Primitive
+    times: float  # as large as the rest of the robot; 0.0 where that is not what matters
+    meant: Primitive  # the shape in meters
+    unit: str  # in which it is written
+    evidence: str  # what else says so, for the message
+
+
+def find_oversized(links: Sequence[Link], joints: Sequence[Joint]) -> dict[str, Oversized]:
+    """The links, by name, with a shape that is much larger than the rest, or than its mass."""
     moving = {joint.child for joint in joints if joint.is_movable}
+    fixed = {joint.child for joint in joints if joint.parent == "world"}
     sizes = {
         link.name: max(
             (largest_size(one) for one, _ in _shapes(link) if isinstance(one, Primitive)),
@@ -156,35 +173,131 @@ def oversized_parts(
     # A frame without a shape may be as far away as a wheel that is too large is high.
     places = [poses.get(link.name, IDENTITY).xyz for link in links if any(_shapes(link))]
     apart = max((math.dist(places[0], place) for place in places), default=0.0)
-    reported: set[float] = set()
+    found: dict[str, Oversized] = {}
     for link in links:
         size = sizes[link.name]
         others = [one for name, one in sizes.items() if 0 < one < size / 2 and name != link.name]
         rest = max(apart, *others) if others else 0.0
-        if link.name not in moving or not rest or size < OVERSIZED * rest or size in reported:
+        if not size or link.name in fixed:
             continue
-        reported.add(size)
-        shape = max(
-            (one for one, _ in _shapes(link) if isinstance(one, Primitive)), key=largest_size
-        )
-        unit, times = ("mm", 1000) if size > OF_MILLIMETERS * rest else ("cm", 100)
+        light = _in_other_units(link, max(others, default=0.0)) if link.is_as_meant else None
+        if link.name in moving and rest and size >= OVERSIZED * rest:
+            shape = max(
+                (one for one, _ in _shapes(link) if isinstance(one, Primitive)), key=largest_size
+            )
+            unit, times = ("mm", 1000) if size > OF_MILLIMETERS * rest else ("cm", 100)
+            large = Oversized(link, shape, 0.0, _smaller(shape, times), unit, "")
+            found[link.name] = (light or large)._replace(times=size / rest, evidence="")
+        elif light is not None and size <= LARGEST:
+            found[link.name] = light
+    return found
+
+
+def _in_other_units(link: Link, rest: float) -> Oversized | None:
+    """The largest shape of a link, if it is in other units by mass and inertia of the link.
+
+    `rest` is the size of the shapes of other links, 0.0 where there are none.
+    """
+    for parts in (link.collisions, link.visuals):
+        shapes = [one.geometry for one in parts if isinstance(one.geometry, Primitive)]
+        if link.inertial is None or not shapes or len(shapes) < len(parts):
+            continue
+        mass = link.inertial.mass
+        size = max(map(largest_size, shapes))
+        shape = max((one for one in shapes if 2 * largest_size(one) > size), key=_volume)
+        moment = principal_moments(link.inertial.inertia)[2]
+        solid = max(of_solid(shape, mass) or (0.0,))
+        # A <visual> that is not that of the body may be a beam.
+        is_of_body = parts is link.collisions or moment * MISSED_BY > solid
+        # In centimeters, numbers below 1 are rare; a mass may be next to nothing.
+        if is_of_body and _number_of(shape) >= 1 and 0 < mass < FOAM * _volume(shape):
+            is_unlike = moment * INERTIA_FACTOR < solid
+            found = _fitting_inertia(link, shape, mass, moment) if is_unlike else None
+            found = found or _fitting_rest(link, shape, mass, rest)
+            if found is not None:
+                return found
+    return None
+
+
+def _fitting_inertia(link: Link, shape: Primitive, mass: float, moment: float) -> Oversized | None:
+    """The shape in other units, where it then fits the largest moment of the inertia."""
+    for unit, meant in _in_meters(shape, mass):
+        solid = max(of_solid(meant, mass) or (0.0,))
+        if solid / MISSED_BY < moment < solid * MISSED_BY:
+            evidence = f", but its inertia fits {_described(meant)}"
+            return Oversized(link, shape, 0.0, meant, unit, evidence)
+    return None
+
+
+def _fitting_rest(link: Link, shape: Primitive, mass: float, rest: float) -> Oversized | None:
+    """A shape that is lighter than any, where it is as large as the rest in other units."""
+    size, beside = largest_size(shape), sorted((0.0, *_sizes(shape)))[-2]
+    if mass < VERY_LIGHT * _volume(shape):
+        for unit, meant in _in_meters(shape, mass):
+            if largest_size(meant) < MISSED_BY * (rest or beside) < size:
+                times = size / rest if rest else 0.0
+                return Oversized(link, shape, times, meant, unit, f", and weighs {mass:g} kg")
+    return None
+
+
+def _in_meters(shape: Primitive, mass: float) -> Iterator[tuple[str, Primitive]]:
+    """A shape that may be in other units as it would be in meters, if it can have the mass."""
+    for (unit, times), is_whole in itertools.product((("cm", 100), ("mm", 1000)), (False, True)):
+        meant = _smaller(shape, times, is_whole=is_whole)
+        if mass < DENSEST * _volume(meant):
+            yield unit, meant
+
+
+def _volume(shape: Primitive) -> float:
+    return volume_of(shape) or 0.0
+
+
+def _smaller(shape: Primitive, times: float, *, is_whole: bool = False) -> Primitive:
+    """The shape with its largest number, or with all of them, divided."""
+    number = _number_of(shape)
+
+    def scaled(one: float) -> float:
+        return one / times if is_whole or one == number else one
+
+    if isinstance(shape, Box):
+        x, y, z = map(scaled, shape.size)
+        return Box(size=(x, y, z))
+    if isinstance(shape, Sphere):
+        return Sphere(radius=scaled(shape.radius))
+    return type(shape)(radius=scaled(shape.radius), length=scaled(shape.length))
+
+
+def oversized_parts(found: Iterable[Oversized], file: Path | None) -> Iterator[Diagnostic]:
+    """Report, once for parts of one size, shapes whose size is in other units."""
+    reported: set[Primitive] = set()
+    for link, shape, times, meant, unit, evidence in found:
+        if shape in reported:
+            continue
+        reported.add(shape)
+        relation = f", {_rounded(times)} times as large as the rest of the robot" if times else ""
+        pairs = zip(_written(shape), _written(meant), strict=True)
+        changed = [(one, other) for one, other in pairs if one != other]
         yield OVERSIZED_PART.at(
             file,
             link.line,
             f"link[@name='{link.name}']",
-            message=f"The link `{link.name}` is {_described(shape)}, {_rounded(size / rest)} times "
-            "as large as the rest of the robot.",
-            hint=f"Use meters: for {_number_of(shape):g} {unit}, write "
-            f"{_number_of(shape) / times:g}.",
+            message=f"The link `{link.name}` is {_described(shape)}{relation}{evidence}.",
+            hint=f"Use meters: for {' '.join(f'{one:g}' for one, _ in changed)} {unit}, write "
+            f"{' '.join(f'{one:g}' for _, one in changed)}.",
         )
+
+
+def _written(shape: Primitive) -> tuple[float, ...]:
+    """The numbers of a shape, m."""
+    if isinstance(shape, Box):
+        return shape.size
+    return (shape.radius,) if isinstance(shape, Sphere) else (shape.radius, shape.length)
 
 
 def _number_of(shape: Primitive) -> float:
     """What is written of the largest size of a shape, m: a radius, a length or an edge."""
-    if isinstance(shape, Box):
-        return max(shape.size)
-    if isinstance(shape, Sphere):
-        return shape.radius
+    if isinstance(shape, (Box, Sphere)):
+        return max(_written(shape))
     return shape.radius if 2 * shape.radius >= shape.length else shape.length
 
 
@@ -272,12 +385,21 @@ IMPLAUSIBLE_INERTIA = Rule(
 
 
 def implausible_inertia(
-    links: Iterable[Link], file: Path | None, joints: Iterable[Joint] = ()
+    links: Iterable[Link],
+    file: Path | None,
+    joints: Iterable[Joint] = (),
+    *,
+    apart_from: Collection[str] = (),
 ) -> Iterator[Diagnostic]:
-    """Report inertias that do not fit the mass and the shape of the link."""
+    """Report inertias that do not fit the mass and the shape of the link.
+
+    `apart_from` names links whose shapes are in other units.
+    """
     links = tuple(links)
     attached = _attached_to_mass(links, joints)
     for link in links:
+        if link.name in apart_from:
+            continue
         shapes = [collision.geometry for collision in link.collisions]
         shapes = shapes or [visual.geometry for visual in link.visuals]
         has_mass = link.inertial is not None and 0 < link.inertial.mass <= HEAVIEST
