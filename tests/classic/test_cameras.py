@@ -48,14 +48,9 @@ ODD = 0.03  # of all pixels, how many may have another color: a sphere has flat 
 EVERY, APART = 12, 32  # pixels, from a depth (a color) that is recorded to the next
 
 # What has another color than there, and why.
-OWN_AMBIENT = "its ambient color differs from its diffuse color; wsgen has one for both"
 GLOW = "drawn white there, by this Mesa"
 DIFFERENT = {
-    **dict.fromkeys(("Gazebo/Grey", "Gazebo/Gray", "Gazebo/SkyBlue", "Gazebo/Gold"), OWN_AMBIENT),
     **{f"Gazebo/{name}Glow": GLOW for name in ("Turquoise", "Green", "Blue", "Yellow", "Purple")},
-    **dict.fromkeys(("diffuse alone", "ambient alone"), "there the other one is white then"),
-    "darker ambient": OWN_AMBIENT,
-    "emissive": "wsgen reads no <emissive>",
 }
 
 

@@ -39,6 +39,8 @@ PAINTS = {
     "emissive": "<ambient>0 0 0 1</ambient><diffuse>0 0 0 1</diffuse>"
     "<emissive>0.9 0.5 0 1</emissive>",
     "name and diffuse": "{Gazebo/Red}<ambient>0 0.7 0 1</ambient><diffuse>0 0.7 0 1</diffuse>",
+    "name and ambient": "{Gazebo/Red}<ambient>0 0.5 0.5 1</ambient>",
+    "name and emissive": "{Gazebo/Red}<emissive>0 0 0.5 1</emissive>",
     "black": "<ambient>0 0 0 1</ambient><diffuse>0 0 0 1</diffuse>",
 }
 

@@ -8,7 +8,7 @@ from urdf_texts import MASS, SPHERE, joint, link, robot, shape
 from wsgen.descriptions.urdf.lumping import lump
 from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.model.robot import Robot, Surface
+from wsgen.model.robot import Paint, Robot, Surface
 
 TOUCH = shape("collision", SPHERE)
 SEEN = shape("visual", SPHERE)
@@ -154,3 +154,17 @@ def test_the_direction_of_friction(
     made, _ = lumped(link("a", MASS + TOUCH) + about("a", written))
     (surface,) = (collision.surface for collision in made.links[0].collisions)
     assert (surface.fdir1, surface.fdir1_in) == (direction, inside)
+
+
+def test_colors_of_a_name_and_those_that_are_copied() -> None:
+    seen = "<visual><geometry><sphere radius='1'/></geometry></visual>"
+    copied = "<visual><material><emissive>0 0 1</emissive></material></visual>"
+
+    def paint(text: str) -> Paint | None:
+        return lumped(link("a", MASS + seen) + about("a", text))[0].links[0].visuals[0].paint
+
+    grey, red = (0.7, 0.7, 0.7, 1.0), (1.0, 0.0, 0.0, 1.0)
+    assert paint("<material>Gazebo/Red</material>") is None
+    assert paint("<material>Gazebo/Grey</material>") == Paint((0.3, 0.3, 0.3, 1.0), grey)
+    both = paint("<material>Gazebo/Red</material>" + copied)
+    assert both == Paint(red, red, (0.0, 0.0, 1.0, 1.0))

@@ -209,6 +209,17 @@ class Surface:
         return self.mu1, self.mu2 if self.fdir1 is None else self.mu1
 
 
+Rgba = tuple[float, float, float, float]
+
+
+class Paint(NamedTuple):
+    """What of the light a surface gives back, and what it shines by itself."""
+
+    ambient: Rgba
+    diffuse: Rgba
+    emissive: Rgba = (0.0, 0.0, 0.0, 1.0)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Visual:
     """Something to see."""
@@ -216,6 +227,7 @@ class Visual:
     geometry: Geometry
     pose_in_link: Pose = IDENTITY
     rgba: tuple[float, float, float, float] | None = None  # 0 to 1; None: the simulator's default
+    paint: Paint | None = None  # as Gazebo Classic has it, where `rgba` alone is not all of it
     texture: str | None = None  # an image file, for a box, or a mesh that has texture points
     laser_retro: float = 0.0  # what lidars on a GPU have as intensity of it
     name: str | None = None
@@ -410,8 +422,6 @@ class Robot:
         return min(grips, default=Surface().grip)
 
 
-Rgba = tuple[float, float, float, float]
-
 # What `Gazebo/<Name>` stands for: the diffuse colors in the material script `gazebo.material` that
 # Gazebo Classic ships. RGBA, 0 to 1.
 GAZEBO_COLORS: dict[str, Rgba] = {
@@ -461,3 +471,25 @@ GAZEBO_COLORS: dict[str, Rgba] = {
     "Gazebo/Grass": (0.3, 0.5, 0.2, 1.0),
     "Gazebo/Pedestrian": (0.7, 0.6, 0.5, 1.0),
 }
+
+# Likewise, their ambient colors, where these are others.
+GAZEBO_AMBIENTS: dict[str, Rgba] = {
+    "Gazebo/Grey": (0.3, 0.3, 0.3, 1.0),
+    "Gazebo/Gray": (0.3, 0.3, 0.3, 1.0),
+    "Gazebo/SkyBlue": (0.13, 0.44, 0.7, 1.0),
+    "Gazebo/Gold": (0.4, 0.2487, 0.0208, 1.0),
+}
+NEITHER: Rgba = (1.0, 1.0, 1.0, 1.0)  # what Gazebo Classic takes for a color that is not given
+
+
+def painted(
+    name: str, ambient: Rgba | None, diffuse: Rgba | None, emissive: Rgba | None
+) -> Paint | None:
+    """The paint of a material with that script and these colors; None where `rgba` is all of it."""
+    of_script = GAZEBO_COLORS.get(name, NEITHER)
+    paint = Paint(
+        ambient or GAZEBO_AMBIENTS.get(name, of_script),
+        diffuse or of_script,
+        emissive or Paint._field_defaults["emissive"],
+    )
+    return None if paint == Paint(paint.diffuse, paint.diffuse) else paint

@@ -12,7 +12,7 @@ from wsgen.text.values import dataclass
 if TYPE_CHECKING:
     from collections.abc import Container, Iterator, Mapping, Sequence
 
-    from wsgen.model.robot import Geometry, Link, Primitive, Visual
+    from wsgen.model.robot import Geometry, Link, Paint, Primitive, Visual
     from wsgen.simulation.scene import Scene, SpawnedRobot
 
 
@@ -36,6 +36,7 @@ class RenderItem:
     geometry: Primitive | Mesh
     pose_in_link: Pose = IDENTITY
     rgba: Rgba
+    paint: Paint | None = None  # see `Visual.paint`; for sensors
     texture: str | None = None  # an image file
     is_subject: bool = True  # of a robot that the picture is about
     is_collision: bool = False  # shown because its link has nothing else to show
@@ -108,6 +109,7 @@ def _of_link(
                 geometry=geometry,
                 pose_in_link=visual.pose_in_link,
                 rgba=rgba,
+                paint=None if visual.rgba is None else visual.paint,
                 texture=visual.texture,
                 is_subject=is_subject,
             )

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from PIL import Image, ImageFilter
 
-from wsgen.model.robot import Box, Mesh
+from wsgen.model.robot import Box, Mesh, Paint
 from wsgen.model.transform import IDENTITY, rotation_of_rpy
 from wsgen.rendering.camera import Size, View, eye_camera
 from wsgen.rendering.rasterizer import Grid
@@ -138,6 +138,9 @@ class Renderer:
             [part.own.stop - part.own.start for part in self._parts],
         )
         self._rgba = np.array([item.rgba for item in self.items], dtype=np.float32).reshape(-1, 4)
+        paints = [item.paint or Paint(item.rgba, item.rgba) for item in self.items]
+        # Ambient, diffuse and emissive colors, for `flat_colors`: n by 3 by 3.
+        self._paints = np.array(paints, dtype=np.float32).reshape(-1, 3, 4)[..., :3]
         self.opacity = np.where(self._rgba[:, 3] < SOLID, self._rgba[:, 3], np.float32(1))
         # Where items are: a linear map and a shift, m; None where that is not known.
         self._places: list[tuple[Doubles, Doubles] | None] = [None] * len(self._parts)
@@ -326,9 +329,10 @@ class Renderer:
         drawn -= 1
         first, second, third = (seen.corners[:, corner].take(drawn, axis=1) for corner in range(3))
         normal = _normal(seen.view, _cross(second - first, third - first), first)[0]
-        lit = ambient + np.outer(np.maximum(self._light @ normal, 0), np.array(sun, np.float32))
+        lit = np.outer(np.maximum(self._light @ normal, 0), np.array(sun, np.float32))
+        dull, bright, own = self._paints[self._item[drawn]].transpose(1, 0, 2)
         colors = np.zeros((len(drawn) + 1, 3), dtype=np.float32)
-        colors[1:] = np.minimum(self._rgba[self._item[drawn], :3] * lit, 1)
+        colors[1:] = np.minimum(ambient * dull + lit * bright + own, 1)
         return place.take(triangle), colors
 
     def texels(self, seen: Seen) -> Iterator[tuple[Indices, Floats]]:

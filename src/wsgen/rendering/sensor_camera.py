@@ -7,6 +7,7 @@ What has no visual is not seen, nor is the inside of a closed one, as in Gazebo.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -75,6 +76,13 @@ class SensorScene:
             frozenset(),
             unpainted=WHITE if is_classic else UNPAINTED,
         )
+        if not is_classic:  # there the ambient color has no effect
+            items = [
+                item
+                if item.paint is None
+                else replace(item, paint=item.paint._replace(ambient=item.rgba, diffuse=item.rgba))
+                for item in items
+            ]
         x, y, z = world.sun_direction
         self._sun = world.sun_color
         self._renderer = Renderer(

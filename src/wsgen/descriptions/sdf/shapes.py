@@ -49,9 +49,11 @@ from wsgen.model.robot import (
     Heightmap,
     Mesh,
     MeshPart,
+    Rgba,
     Sphere,
     Surface,
     Visual,
+    painted,
 )
 from wsgen.model.transform import Pose, compose, multiply, rotation_of_rpy, rpy_of_rotation
 from wsgen.text.xmltree import children, gz_attribute
@@ -62,7 +64,7 @@ if TYPE_CHECKING:
     from wsgen.descriptions.sdf.frames import Node
     from wsgen.descriptions.sdf.includes import Includes
     from wsgen.descriptions.sdf.source import Source
-    from wsgen.model.robot import Geometry
+    from wsgen.model.robot import Geometry, Paint
     from wsgen.model.transform import Matrix
     from wsgen.text.xmltree import Element
 
@@ -275,8 +277,6 @@ def _size_rule(sizes: tuple[float, ...]) -> Rule:
     return ZERO_SIZE if min(sizes) <= 0 else GEOMETRY_OUT_OF_RANGE
 
 
-Rgba = tuple[float, float, float, float]
-
 MOST_CONTACTS = 10_000  # of two shapes; more is a mistake
 
 
@@ -291,6 +291,17 @@ def read_color(source: Source, visual: Element) -> Rgba | None:
     if color is None or transparency == 0:
         return color
     return (*color[:3], min(1.0, max(0.0, color[3] * (1 - transparency))))
+
+
+def read_paint(source: Source, visual: Element) -> Paint | None:
+    """Its colors, where the diffuse one is not all that Gazebo Classic shows."""
+    material = first(visual, "material")
+    if material is None:
+        return None
+    ambient, diffuse, emissive = (
+        _rgba(source, material, tag) for tag in ("ambient", "diffuse", "emissive")
+    )
+    return painted(word(material, "script", "name"), ambient, diffuse, emissive)
 
 
 def read_surface(source: Source, collision: Element) -> Surface:
@@ -368,6 +379,7 @@ class ShapeReader:
                         geometry=geometry,
                         pose_in_link=pose,
                         rgba=read_color(self.source, element),
+                        paint=read_paint(self.source, element),
                         texture=read_texture(self.source, self.includes, element)
                         if isinstance(geometry, Box)
                         else None,
@@ -661,6 +673,7 @@ def _seen(source: Source, owner: Element, upward: Pose, size: tuple[float, float
         geometry=Box(size=(*size, SHEET)),
         pose_in_link=_below(upward, SHEET),
         rgba=read_color(source, owner),
+        paint=read_paint(source, owner),
         laser_retro=read_laser_retro(source, owner),
         name=owner.get("name"),
     )

@@ -32,9 +32,11 @@ from wsgen.model.robot import (
     STOP,
     GazeboTag,
     Plugin,
+    Rgba,
     SdfJoint,
     Sensor,
     Surface,
+    painted,
 )
 from wsgen.text.suggestions import did_you_mean, nearest
 from wsgen.text.xmltree import child_text, child_texts, children, gz_attribute
@@ -671,19 +673,28 @@ def _direction(tag: GazeboTag) -> Direction:
 
 
 def _with_look(visual: Visual, tags: Sequence[GazeboTag]) -> Visual:
-    rgba = visual.rgba
+    rgba, name, colors = visual.rgba, "", dict.fromkeys(("ambient", "diffuse", "emissive"))
     for tag in tags:
+        name = tag.values.get("material", name)
         rgba = GAZEBO_COLORS.get(tag.values.get("material", ""), rgba)
-        words = tag.values.get("visual/material/diffuse", "").split()
-        if len(words) in {3, 4} and all(NUMBER.fullmatch(word) for word in words):
-            red, green, blue, alpha = (
-                min(1.0, max(0.0, float(word))) for word in (*words, "1")[:4]
-            )
-            rgba = (red, green, blue, alpha)
+        for key in colors:
+            colors[key] = _color(tag.values.get(f"visual/material/{key}")) or colors[key]
+        rgba = _color(tag.values.get("visual/material/diffuse")) or rgba
+    is_painted = name in GAZEBO_COLORS or any(colors.values())
+    paint = painted(name, *colors.values()) if is_painted else visual.paint
     retro = _last_number(tags, RETRO_OF_VISUAL, visual.laser_retro)
-    if (rgba, retro) == (visual.rgba, visual.laser_retro):
+    if (rgba, paint, retro) == (visual.rgba, visual.paint, visual.laser_retro):
         return visual
-    return replace(visual, rgba=rgba, laser_retro=retro)
+    return replace(visual, rgba=rgba, paint=paint, laser_retro=retro)
+
+
+def _color(text: str | None) -> Rgba | None:
+    """Red, green, blue and alpha, from 0 to 1, of three or four numbers."""
+    words = (text or "").split()
+    if len(words) not in {3, 4} or not all(NUMBER.fullmatch(word) for word in words):
+        return None
+    red, green, blue, alpha = (min(1.0, max(0.0, float(word))) for word in (*words, "1")[:4])
+    return (red, green, blue, alpha)
 
 
 def _last_number(tags: Iterable[GazeboTag], keys: Sequence[str], default: float) -> float:
