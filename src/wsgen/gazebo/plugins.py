@@ -591,54 +591,6 @@ PLUGINS: dict[str, GazeboPlugin] = {
     "thermal-sensor": GazeboPlugin(needs=("Sensors",)),
     "camera-video-recorder": GazeboPlugin(needs=("Sensors",)),
 }
-# What somebody writes for one simulator who knows the other -> what it is called there.
-OF_THE_OTHER: dict[str, dict[str, str]] = {
-    "gazebo_ros_diff_drive": {
-        "wheel_radius": "wheel_diameter",
-        "odom_topic": "odometry_topic",
-        "topic": "command_topic",
-        "child_frame_id": "robot_base_frame",
-        "frame_id": "odometry_frame",
-        "odom_publish_frequency": "update_rate",
-    },
-    "diff-drive": {
-        "wheel_diameter": "wheel_radius",
-        "odometry_topic": "odom_topic",
-        "command_topic": "topic",
-        "robot_base_frame": "child_frame_id",
-        "odometry_frame": "frame_id",
-        "update_rate": "odom_publish_frequency",
-    },
-}
-# Parameters of the plugins of ROS 1 -> what those of ROS 2 have, where snake case is not it.
-FROM_ROS_1 = {
-    "robotNamespace": "<ros><namespace>",
-    "topicName": "<ros><remapping>",
-    "imageTopicName": "<ros><remapping>",
-    "cameraInfoTopicName": "<ros><remapping>",
-    "bodyName": "<body_name>",
-    "torque": "<max_wheel_torque>",
-}
-# Plugin libraries that no ROS 2 release has, with what took their place.
-ROS_1_PLUGINS = {
-    "gazebo_ros_control": "libgazebo_ros2_control.so with <ros2_control> tags",
-    "gazebo_ros_skid_steer_drive": "libgazebo_ros_diff_drive.so with two wheel pairs",
-    "gazebo_ros_laser": "libgazebo_ros_ray_sensor.so",
-    "gazebo_ros_gpu_laser": "libgazebo_ros_ray_sensor.so",
-    "gazebo_ros_block_laser": "libgazebo_ros_ray_sensor.so",
-    "gazebo_ros_range": "libgazebo_ros_ray_sensor.so",
-    "gazebo_ros_imu": "libgazebo_ros_imu_sensor.so",
-    "gazebo_ros_depth_camera": "libgazebo_ros_camera.so",
-    "gazebo_ros_openni_kinect": "libgazebo_ros_camera.so",
-    "gazebo_ros_multicamera": "libgazebo_ros_camera.so",
-    "gazebo_ros_f3d": "libgazebo_ros_ft_sensor.so",
-    "gazebo_ros_joint_pose_trajectory_plugin": "libgazebo_ros_joint_pose_trajectory.so",
-    "gazebo_ros_joint_trajectory": "libgazebo_ros_joint_pose_trajectory.so",
-    "gazebo_mimic_joint_plugin": "<mimic> with gazebo_ros2_control",
-    "roboticsgroup_gazebo_mimic_joint_plugin": "<mimic> with gazebo_ros2_control",
-    "hector_gazebo_ros_imu": "libgazebo_ros_imu_sensor.so",
-    "hector_gazebo_ros_gps": "libgazebo_ros_gps_sensor.so",
-}
 
 
 def stem(filename: str) -> str:

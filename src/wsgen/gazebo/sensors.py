@@ -62,3 +62,15 @@ SYSTEM_OF_SENSOR = {
     "magnetometer": "Magnetometer",
     "logical_camera": "LogicalCamera",
 }
+# Where a sensor may name the frame of its messages, over the generations of Gazebo Sim.
+FRAME_NAMES = ("frame_id", "gz_frame_id", "ignition_frame_id")
+# What Gazebo Sim simulates only from Rotary on, and the distribution that may have that.
+RAYS = ("ray", "lidar")
+WITH_RAYS = ("rolling",)
+# Of these sensors a plugin sends messages with a frame.
+WITH_FRAMES = frozenset(
+    (
+        *("camera", "depth", "depth_camera", "rgbd", "rgbd_camera", "ray", "gpu_ray", "lidar"),
+        *("gpu_lidar", "imu", "navsat", "gps", "magnetometer"),
+    )
+)

@@ -71,6 +71,7 @@ RELEASED_FOR = {
     "ign_ros2_control": ("humble",),
     "gz_sim_vendor": ("jazzy", "kilted", "lyrical", "rolling"),
 }
+WITHOUT_CLASSIC = tuple(distro for distro in DISTROS if distro not in RELEASED_FOR["gazebo_ros"])
 # The others that generated packages may need: in every distribution.
 RELEASED_FOR_ALL = (
     "ament_cmake",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from wsgen.checks.rules.friction import turning_friction
 from wsgen.checks.rules.robots import BEYOND
 from wsgen.diagnostics import Rule, Severity
+from wsgen.gazebo.sensors import FRAME_NAMES
 from wsgen.model.robot import MOST_LINKS
 
 if TYPE_CHECKING:
@@ -202,9 +203,7 @@ def lumped_frames(written: Robot, lumped: Robot, file: Path | None) -> Iterator[
 
 SAME_MASS = 1e-6  # a part of the mass, for what adding up rounds
 # That say in which frame of ROS the messages of a sensor are: these frames stay.
-_FRAMES_OF_ROS = frozenset(
-    ("frame_id", "gz_frame_id", "ignition_frame_id", "frame_name", "frameName")
-)
+_FRAMES_OF_ROS = frozenset((*FRAME_NAMES, "frame_name", "frameName"))
 
 
 def _names_of(tag: GazeboTag) -> Iterator[str]:

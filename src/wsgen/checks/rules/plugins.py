@@ -11,15 +11,16 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.gazebo.plugins import (
-    FROM_ROS_1,
     OF_CLASSIC,
-    OF_THE_OTHER,
     PLUGINS,
     GazeboPlugin,
     simulator_of,
     stem,
 )
+from wsgen.gazebo.sensors import FRAME_NAMES, RAYS, WITH_FRAMES, WITH_RAYS
+from wsgen.gazebo.successors import FROM_ROS_1, OF_THE_OTHER, SUCCESSORS, is_served, predecessor
 from wsgen.gazebo.systems import remark_on
+from wsgen.model.facts import WITHOUT_CLASSIC
 from wsgen.model.robot import JointType
 from wsgen.model.target import CLASSIC, SIM, SIMULATORS
 from wsgen.text.suggestions import did_you_mean, nearest, some_of
@@ -38,21 +39,9 @@ ALIKE = 0.88
 MOST_LETTERS = 2  # more or fewer
 LIKE_PARAMETER = 0.8
 CAPITAL = lazy_pattern(r"(?<=[a-z0-9])([A-Z])")
-FIRST_WITHOUT_CLASSIC = ("jazzy", "kilted", "lyrical", "rolling")
 # In what a frame may be named beside the links: what localization and the simulation bring.
 OTHER_FRAMES = frozenset(("world", "map", "odom"))
-FRAMES_OF_SENSOR = ("gz_frame_id", "ignition_frame_id", "frame_id")
 FRAMES_OF_PLUGIN = ("frame_name", "frame_id")
-# What Gazebo Sim simulates only from Rotary on, and the distribution that may have that.
-RAYS = ("ray", "lidar")
-WITH_RAYS = ("rolling",)
-# Of these sensors a plugin sends messages with a frame.
-WITH_FRAMES = frozenset(
-    (
-        *("camera", "depth", "depth_camera", "rgbd", "rgbd_camera", "ray", "gpu_ray", "lidar"),
-        *("gpu_lidar", "imu", "navsat", "gps", "magnetometer"),
-    )
-)
 
 
 class PluginFacts(NamedTuple):
@@ -152,36 +141,6 @@ PLUGIN_OF_OTHER_SIMULATOR = Rule(
     instead='<plugin name="gz::sim::systems::DiffDrive" filename="gz-sim-diff-drive-system">',
 )
 
-# Plugin of Gazebo Classic -> what Gazebo Sim has instead.
-SUCCESSORS = {
-    "gazebo_ros_diff_drive": "gz-sim-diff-drive-system",
-    "gazebo_ros_joint_state_publisher": "gz-sim-joint-state-publisher-system",
-    "gazebo_ros_ackermann_drive": "gz-sim-ackermann-steering-system",
-    "gazebo_ros_p3d": "gz-sim-odometry-publisher-system",
-    "gazebo_ros_planar_move": "gz-sim-velocity-control-system",
-    "gazebo_ros_ft_sensor": "gz-sim-forcetorque-system",
-    "gazebo_ros2_control": "gz_ros2_control-system",
-}
-# What moves the joints of a robot in Gazebo Sim.
-_DRIVES = (
-    *("diff-drive", "ackermann-steering", "mecanum-drive", "tracked-vehicle", "velocity-control"),
-    *("gz_ros2_control-system", "ign_ros2_control-system"),
-)
-_STATES = ("joint-state-publisher", "gz_ros2_control-system", "ign_ros2_control-system")
-# Plugin of Gazebo Classic -> those of Gazebo Sim that do the same in a robot for both.
-COUNTERPARTS = {
-    **dict.fromkeys(
-        (
-            *("gazebo_ros_diff_drive", "gazebo_ros_ackermann_drive", "gazebo_ros_planar_move"),
-            *("gazebo_ros_tricycle_drive", "gazebo_ros2_control"),
-        ),
-        _DRIVES,
-    ),
-    "gazebo_ros_joint_state_publisher": _STATES,
-    "gazebo_ros_joint_pose_trajectory": (*_STATES, "joint-trajectory-controller"),
-    "gazebo_ros_p3d": ("odometry-publisher", "pose-publisher"),
-    "gazebo_ros_ft_sensor": ("forcetorque",),
-}
 OF_WORLD = (
     "Remove it: in Gazebo Sim the world loads a system for the sensors, and ros_gz_bridge "
     "passes their topics to ROS."
@@ -202,7 +161,7 @@ def plugin_of_other_simulator(facts: PluginFacts, file: Path | None) -> Iterator
         if simulator_of(plugin.filename) in {None, wanted}:
             continue
         name = stem(plugin.filename)
-        successor = SUCCESSORS.get(name) if wanted == SIM else _predecessor(name)
+        successor = SUCCESSORS.get(name) if wanted == SIM else predecessor(name)
         hint = f"Use {successor} for {SIMULATORS[wanted]}." if successor else OF_WORLD
         if wanted == CLASSIC and successor is None:
             hint = "Remove it, or start Gazebo Sim with ros_gz_sim."
@@ -214,35 +173,19 @@ def plugin_of_other_simulator(facts: PluginFacts, file: Path | None) -> Iterator
             f"{SIMULATORS[CLASSIC if wanted == SIM else SIM]}; {SIMULATORS[wanted]} "
             "cannot load it.",
             hint=hint,
-            severity=Severity.INFO if _is_served(name, right) else None,
+            severity=Severity.INFO if is_served(name, right) else None,
         )
 
 
 def _wanted(facts: PluginFacts) -> str | None:
     """The simulator that a robot is for."""
-    if facts.simulator is None and facts.distro in FIRST_WITHOUT_CLASSIC:
+    if facts.simulator is None and facts.distro in WITHOUT_CLASSIC:
         return SIM
     return facts.simulator
 
 
 def _is_for(plugin: Plugin, wanted: str) -> bool:
     return simulator_of(plugin.filename) == wanted
-
-
-def _is_served(name: str, right: Collection[str]) -> bool:
-    """Whether plugins for the right simulator do what one for the other does."""
-    same = COUNTERPARTS.get(name) or [
-        classic for classic, systems in COUNTERPARTS.items() if name in systems
-    ]
-    # Of sensors and of what only one simulator has, any plugin shows that both are meant.
-    return any(one in right for one in same) if same else bool(right)
-
-
-def _predecessor(name: str) -> str | None:
-    for classic, system in SUCCESSORS.items():
-        if stem(system) == name:
-            return f"lib{classic}.so"
-    return None
 
 
 def simulator_meant(tags: Iterable[GazeboTag]) -> str | None:
@@ -550,7 +493,7 @@ def _frames(
     named = [
         (key, text)
         for keys, values in (
-            (FRAMES_OF_SENSOR, sensor.values),
+            (FRAME_NAMES, sensor.values),
             *((FRAMES_OF_PLUGIN, plugin.values) for plugin in sensor.plugins),
         )
         for key in keys

@@ -10,7 +10,7 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
-from wsgen.gazebo.plugins import ROS_1_PLUGINS
+from wsgen.gazebo.successors import ROS_1_PLUGINS
 from wsgen.model.inertia import as_attributes, if_filled, of_solid, principal_moments
 from wsgen.model.robot import (
     Box,

@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
-from wsgen.checks.rules.plugins import FIRST_WITHOUT_CLASSIC
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launching.commands import started_launch_files, started_programs
 from wsgen.launching.explain_missing import where_written
 from wsgen.launching.simulators import simulator_kinds
 from wsgen.launching.spawner_options import CREATE, read_options
+from wsgen.model.facts import WITHOUT_CLASSIC
 from wsgen.model.target import CLASSIC, SIM
 from wsgen.ros.names import released_packages
 from wsgen.text.suggestions import did_you_mean, some_of
@@ -193,7 +193,7 @@ def no_classic(
 
     `is_installed` says whether a package is on this machine or in the workspace.
     """
-    if distro not in FIRST_WITHOUT_CLASSIC:
+    if distro not in WITHOUT_CLASSIC:
         return
     started: list[tuple[str, Path | None, int | None]] = [
         (include.file.name, *_where(plan, include.file.name))

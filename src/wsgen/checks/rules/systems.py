@@ -8,11 +8,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.checks.rules.plugins import RAYS, WITH_RAYS
 from wsgen.descriptions.sdf.source import line_of, path_of
 from wsgen.diagnostics import Rule, Severity
 from wsgen.gazebo.plugins import PLUGINS, GazeboPlugin, stem
-from wsgen.gazebo.sensors import SYSTEM_OF_SENSOR
+from wsgen.gazebo.sensors import RAYS, SYSTEM_OF_SENSOR, WITH_RAYS
 from wsgen.gazebo.systems import (
     DEFAULT_SYSTEMS,
     OF_SHIPPED_WORLDS,

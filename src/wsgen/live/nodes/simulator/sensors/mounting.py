@@ -15,7 +15,9 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from wsgen.gazebo.plugins import ROS_1_PLUGINS, stem
+from wsgen.gazebo.plugins import stem
+from wsgen.gazebo.sensors import FRAME_NAMES
+from wsgen.gazebo.successors import ROS_1_PLUGINS
 from wsgen.live.nodes.simulator.elements import number
 from wsgen.live.nodes.simulator.host import CannotWorkError, Plugin
 from wsgen.live.nodes.simulator.qos import written_qos
@@ -39,7 +41,6 @@ MEMORY = 10  # measurements, of whose times the mean is known
 TELL_AFTER = 5  # measurements
 ENOUGH = 1.2  # times the period of the description: what is not longer is not reported
 FASTEST_PERIOD = 0.01  # s, of a sensor that gives no rate: Gazebo's measures in every step
-FRAME_NAMES = ("frame_id", "gz_frame_id", "ignition_frame_id")
 
 # By simulator and sensor: how many seconds of CPU time it takes in a simulated one.
 _loads: WeakKeyDictionary[Host, WeakKeyDictionary[Sensor, float]] = WeakKeyDictionary()
