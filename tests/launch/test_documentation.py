@@ -73,7 +73,7 @@ def names() -> dict[str, list[str]]:
                     found[package] = [name for name, home in homes.items() if home]
                 elif target == "__all__" and isinstance(node.value, ast.List):
                     found[package] = ast.literal_eval(node.value)
-    shown: dict[str, dict[str, str]] = runpy.run_path(str(SHIM / "launch" / "_public.py"))["NAMES"]
+    shown: dict[str, dict[str, str]] = runpy.run_path(str(SHIM / "launch" / "_finder.py"))["NAMES"]
     for package, homes in shown.items():
         found[package] = [name for name, home in homes.items() if home and home[0] != "."]
     module = "launch_ros.parameter_descriptions"
