@@ -21,7 +21,7 @@ from simulation.conftest import CLASSES
 from simulation.robots import VOID, spawned
 from wsgen.descriptions.urdf.lumping import lump
 from wsgen.descriptions.urdf.reader import read_urdf
-from wsgen.live.nodes.simulator.pid import Gains, GzPid
+from wsgen.live.nodes.simulator.plugins.joint_commands import Gains, GzPid
 from wsgen.model.engines import ENGINES
 from wsgen.simulation.controllers import effort_in_classic
 from wsgen.simulation.run import missing_engines

@@ -56,9 +56,13 @@ geometry_msgs/PoseWithCovariance pose:Pose covariance:36
 geometry_msgs/Twist linear:Vector3 angular:Vector3
 geometry_msgs/TwistStamped header:Header twist:Twist
 geometry_msgs/TwistWithCovariance twist:Twist covariance:36
+geometry_msgs/Wrench force:Vector3 torque:Vector3
+geometry_msgs/WrenchStamped header:Header wrench:Wrench
 geometry_msgs/Transform translation:Vector3 rotation:Quaternion
 geometry_msgs/TransformStamped header:Header child_frame_id:s transform:Transform
 nav_msgs/Odometry header:Header child_frame_id:s pose:PoseWithCovariance twist:TwistWithCovariance
+sensor_msgs/Imu header:Header orientation:Quaternion angular_velocity:Vector3 \
+ linear_acceleration:Vector3
 sensor_msgs/JointState header:Header name:l position:l velocity:l effort:l
 tf2_msgs/TFMessage transforms:l
 gazebo_msgs/EntityState name:s pose:Pose twist:Twist reference_frame:s
@@ -164,7 +168,7 @@ class FakeNode:
 
 def _refuse(name: str) -> None:
     """What is no name of ROS."""
-    from wsgen.live.nodes.simulator.names import BadNameError  # noqa: PLC0415  imported anew
+    from wsgen.live.nodes.simulator.names_and_qos import BadNameError  # noqa: PLC0415  imported anew
 
     if re.search(r"[^A-Za-z0-9_/~{}]", name):
         raise BadNameError(f"ROS refuses `{name}`.")

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from wsgen.live.nodes.simulator.pace import Pace
-from wsgen.live.nodes.simulator.timing import Timer, until_next
+from wsgen.live.nodes.simulator.timing import Pace, Timer, until_next
 
 
 class Clock:

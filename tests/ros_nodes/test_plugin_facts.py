@@ -218,8 +218,8 @@ def content_of(name: str, *, flags: str = "", **more: str) -> str:
 
 def started(name: str, content: str) -> tuple[list[tuple[str, str, bool]], list[str]]:
     """The topics of a live run: name, type, whether the plugin reads it; and warnings."""
-    from wsgen.live.nodes.simulator.gz_messages import name_of  # noqa: PLC0415  with fakes
     from wsgen.live.nodes.simulator.host import Host  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.topics import name_of  # noqa: PLC0415  with fakes
 
     found: list[tuple[str, str, bool]] = []
 
@@ -319,16 +319,16 @@ def test_live_runs_read_all_parameters(name: str, monkeypatch: pytest.MonkeyPatc
         return find_all(element, path)
 
     monkeypatch.setattr(Element, "find_all", noted)
-    from wsgen.live.nodes.simulator.plugins import diff_drive, gz_drive  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.plugins import diff_drive, drives  # noqa: PLC0415
 
-    values_of = gz_drive.values_of
+    values_of = drives.values_of
 
     def recording(element: Element) -> Recording:
         made = Recording(values_of(element))
         made.asked = asked
         return made
 
-    for module in (diff_drive, gz_drive):
+    for module in (diff_drive, drives):
         monkeypatch.setattr(module, "values_of", recording)
     for flags in ("false", "true"):
         _, warnings = started(name, content_of(name, flags=flags))

@@ -116,7 +116,7 @@ def test_a_car_drives_a_curve(is_former: bool) -> None:
 
 
 def test_commands_for_the_steering_and_back() -> None:
-    from wsgen.live.nodes.simulator.ros2_control.steering import SteeringBase  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.ros2_control.wheels import SteeringBase  # noqa: PLC0415
 
     base = SteeringBase(
         wheelbase=2.0, radius=0.5, traction_track=1.0, steering_track=1.2, driven=2, steered=2

@@ -16,7 +16,7 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from wsgen.isolation.codec import decode, encode
-from wsgen.live.nodes.simulator.names import BadNameError
+from wsgen.live.nodes.simulator.names_and_qos import BadNameError
 from wsgen.live.nodes.simulator.services import SERVICE, GzServices
 from wsgen.live.nodes.simulator.simulation import RefusedError
 from wsgen.live.nodes.simulator.timing import TINY

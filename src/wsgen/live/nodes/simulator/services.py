@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 from rosgraph_msgs.msg import Clock
 
 from wsgen.gazebo.systems import plugin_of
-from wsgen.live.nodes.simulator.gz_messages import message_class
 from wsgen.live.nodes.simulator.host import Due, Plugin
 from wsgen.live.nodes.simulator.messages import NOT_FINITE, move, pose_of
 from wsgen.live.nodes.simulator.simulation import RefusedError
+from wsgen.live.nodes.simulator.topics import message_class
 from wsgen.simulation.live_scene import NewEntity
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from wsgen.gazebo.systems import (
     plugin_of,
 )
 from wsgen.live.nodes.simulator.host import CannotWorkError, Due, Host, RobotHandle
-from wsgen.live.nodes.simulator.names import BadNameError
+from wsgen.live.nodes.simulator.names_and_qos import BadNameError
 from wsgen.live.nodes.simulator.plugins import DONE_BY_SIMULATOR, PLUGINS, WORLD_PLUGINS
 from wsgen.live.nodes.simulator.sensors import SENSORS
 from wsgen.live.nodes.simulator.timing import TINY, following

@@ -26,17 +26,19 @@ from wsgen.live.nodes.simulator.messages import (
     set_twist,
     yaw_of,
 )
-from wsgen.live.nodes.simulator.pid import Gains, GzPid
-from wsgen.live.nodes.simulator.plugins.actuators import actuator_number, listen_to_actuator
-from wsgen.live.nodes.simulator.plugins.classic_odometry import (
+from wsgen.live.nodes.simulator.plugins.drives import (
+    DrivePublisher,
     classic_odometry,
     classic_publishers,
-)
-from wsgen.live.nodes.simulator.plugins.gz_drive import (
-    DrivePublisher,
     driven_joints,
     length,
     limits,
+)
+from wsgen.live.nodes.simulator.plugins.joint_commands import (
+    Gains,
+    GzPid,
+    actuator_number,
+    listen_to_actuator,
 )
 from wsgen.live.nodes.simulator.timing import Timer, until_next
 from wsgen.model.robot import Cylinder, Sphere

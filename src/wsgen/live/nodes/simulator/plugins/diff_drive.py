@@ -28,13 +28,14 @@ from wsgen.live.nodes.simulator.messages import (
     set_twist,
     yaw_of,
 )
-from wsgen.live.nodes.simulator.plugins.classic_odometry import (
+from wsgen.live.nodes.simulator.plugins.drives import (
+    DrivePublisher,
     classic_odometry,
     classic_publishers,
+    driven_joints,
+    values_of,
 )
-from wsgen.live.nodes.simulator.plugins.gz_drive import DrivePublisher, driven_joints, values_of
-from wsgen.live.nodes.simulator.plugins.slip import SlipWatch
-from wsgen.live.nodes.simulator.plugins.wheels import WheelOdometry
+from wsgen.live.nodes.simulator.plugins.wheels import SlipWatch, WheelOdometry
 from wsgen.live.nodes.simulator.timing import Timer, until_next
 from wsgen.model.target import CLASSIC, SIM
 from wsgen.model.transform import compose, invert

@@ -17,8 +17,12 @@ from trajectory_msgs.msg import JointTrajectory
 
 from wsgen.live.nodes.simulator.elements import boolean, default_of, number, numbers, topics_of
 from wsgen.live.nodes.simulator.host import CannotWorkError, Plugin
-from wsgen.live.nodes.simulator.pid import Gains, GzPid
-from wsgen.live.nodes.simulator.plugins.actuators import actuator_number, listen_to_actuator
+from wsgen.live.nodes.simulator.plugins.joint_commands import (
+    Gains,
+    GzPid,
+    actuator_number,
+    listen_to_actuator,
+)
 from wsgen.simulation.controllers import limited_motor
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from geometry_msgs.msg import Twist
 from wsgen.live.nodes.simulator.elements import topics_of
 from wsgen.live.nodes.simulator.host import Plugin
 from wsgen.live.nodes.simulator.messages import can_follow_twist
-from wsgen.live.nodes.simulator.plugins.gz_drive import (
+from wsgen.live.nodes.simulator.plugins.drives import (
     DrivePublisher,
     driven_joints,
     length,

@@ -22,7 +22,7 @@ from wsgen.live.nodes.simulator.messages import (
     set_twist,
     yaw_of,
 )
-from wsgen.live.nodes.simulator.plugins.classic_odometry import (
+from wsgen.live.nodes.simulator.plugins.drives import (
     classic_odometry,
     classic_publishers,
 )

@@ -1,4 +1,4 @@
-"""The sensors that the simulator has, one module each.
+"""The sensors that the simulator has.
 
 A kind is the attribute `type` of a `<sensor>`; the class follows its module, which is imported when
 a robot has such a sensor. It takes the `MountedSensor` where that of a plugin takes its element.
@@ -13,10 +13,10 @@ SENSORS: dict[str, str] = {
     "imu": f"{_HERE}.imu:Imu",
     "contact": f"{_HERE}.contact:ContactSensor",
     "force_torque": f"{_HERE}.force_torque:ForceTorque",
-    **dict.fromkeys(("gps", "navsat"), f"{_HERE}.navsat:NavSat"),
-    "altimeter": f"{_HERE}.altimeter:Altimeter",
-    "air_pressure": f"{_HERE}.air_pressure:AirPressure",
-    "magnetometer": f"{_HERE}.magnetometer:Magnetometer",
+    **dict.fromkeys(("gps", "navsat"), f"{_HERE}.navigation:NavSat"),
+    "altimeter": f"{_HERE}.navigation:Altimeter",
+    "air_pressure": f"{_HERE}.navigation:AirPressure",
+    "magnetometer": f"{_HERE}.navigation:Magnetometer",
     **dict.fromkeys(
         ("camera", "multicamera", "depth", "depth_camera", "rgbd", "rgbd_camera"),
         f"{_HERE}.camera:Camera",

@@ -18,8 +18,7 @@ import numpy as np
 from geometry_msgs.msg import WrenchStamped
 
 from wsgen.live.nodes.simulator.host import CannotWorkError
-from wsgen.live.nodes.simulator.sensors.mounting import NEVER, Sensor, put, rotation
-from wsgen.live.nodes.simulator.sensors.noise import Noise
+from wsgen.live.nodes.simulator.sensors.mounting import NEVER, Noise, Sensor, put, rotation
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

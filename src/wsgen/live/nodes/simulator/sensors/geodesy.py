@@ -1,8 +1,9 @@
-"""From places in a world to places on Earth. No ROS in here.
+"""From places in a world to places on Earth, and the air there. No ROS in here.
 
 Source: gazebosim/gz-math, src/SphericalCoordinates.cc. Gazebo Sim takes its frame LOCAL2, Gazebo
 Classic (gazebo, gazebo/common/SphericalCoordinates.cc) LOCAL: there x goes west while the heading
-is 0, which is why worlds for it have a heading of 180 degrees.
+is 0, which is why worlds for it have a heading of 180 degrees. The air is that of the standard
+atmosphere (gazebosim/gz-sensors, src/AirPressureSensor.cc).
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from wsgen.model.transform import Vector
 
     Floats = NDArray[np.float64]
+
 
 LARGE, SMALL = 6378137.0, 6356752.314245  # m, the half axes of WGS 84
 SQUARED = 1.0 - (SMALL / LARGE) ** 2  # of the first eccentricity
@@ -101,3 +103,20 @@ def _geodetic(ecef: Floats) -> tuple[float, float, float]:
     curve = LARGE / math.sqrt(1.0 - SQUARED * sin * sin)
     elevation = out * cos + z * sin - curve * (1.0 - SQUARED * sin * sin)
     return math.degrees(latitude), math.degrees(math.atan2(y, x)), elevation
+
+
+GAS_CONSTANT = 8314.32 / 28.9644  # J/(kg K), of air
+PULL = 9.80665  # m/s²
+SEA_PRESSURE = 101325.0  # Pa, and at that temperature:
+SEA_TEMPERATURE = 288.15  # K
+LAPSE = 0.0065  # K/m
+EARTH = 6356766.0  # m
+
+
+def pressure_at(altitude: float) -> float:
+    """The pressure at an altitude (m), Pa."""
+    height = EARTH * altitude / (EARTH + altitude)
+    temperature = SEA_TEMPERATURE - LAPSE * height
+    # Where the formula has no air any more, it has no pressure.
+    share: float = (max(temperature, 0.0) / SEA_TEMPERATURE) ** (PULL / (LAPSE * GAS_CONSTANT))
+    return SEA_PRESSURE * share

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from wsgen.live.nodes.simulator.elements import vector
-from wsgen.live.nodes.simulator.sensors.mounting import rotation
-from wsgen.live.nodes.simulator.sensors.noise import Noise
+from wsgen.live.nodes.simulator.sensors.mounting import Noise, rotation
 from wsgen.model.transform import rotation_of_rpy
 
 if TYPE_CHECKING:

@@ -15,8 +15,7 @@ import numpy as np
 
 from wsgen.live.nodes.simulator.elements import number
 from wsgen.live.nodes.simulator.host import CannotWorkError
-from wsgen.live.nodes.simulator.sensors.mounting import rotation
-from wsgen.live.nodes.simulator.sensors.noise import Noise
+from wsgen.live.nodes.simulator.sensors.mounting import Noise, rotation
 from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:

@@ -1,9 +1,10 @@
-"""What all sensors have in common: where they are, what they are called, when they measure.
+"""What all sensors have in common: where they are, what they are called, when they measure, noise.
 
 Sources: gazebosim/gz-sim, src/rendering/RenderUtil.cc and src/systems/imu/Imu.cc (topics and names
 of sensors), gazebosim/ros_gz, ros_gz_bridge/src/convert/utils.cpp (`::` becomes `/` in frames);
 ros-simulation/gazebo_ros_pkgs, branch ros2, gazebo_ros/src/utils.cpp (`SensorFrameID`) and
-gazebo_ros/src/qos.cpp.
+gazebo_ros/src/qos.cpp. Noise is that of Gazebo's Gaussian model, from a seed (gazebosim/gz-sensors,
+src/GaussianNoiseModel.cc; Gazebo Classic's is the same, gazebo/sensors/GaussianNoiseModel.cc).
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from wsgen.gazebo.sensors import FRAME_NAMES
 from wsgen.gazebo.successors import ROS_1_PLUGINS
 from wsgen.live.nodes.simulator.elements import number
 from wsgen.live.nodes.simulator.host import CannotWorkError, Plugin
-from wsgen.live.nodes.simulator.qos import written_qos
+from wsgen.live.nodes.simulator.names_and_qos import written_qos
 from wsgen.model.transform import compose, rotate, rotation_of_rpy
 
 if TYPE_CHECKING:
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from wsgen.model.transform import Pose, Vector
 
     Floats = NDArray[np.float64]
+
 
 NEVER = math.inf  # s
 SHARE = 0.5  # of the time, that all sensors together take
@@ -180,3 +182,58 @@ def rotation(pose: Pose) -> Floats:
 def put(vector: Any, values: Vector | Floats) -> None:
     """Set x, y and z of a message."""
     vector.x, vector.y, vector.z = map(float, values)
+
+
+GAUSSIAN = ("gaussian", "gaussian_quantized")
+
+
+class Noise:
+    """What one channel of a sensor adds to what is true.
+
+    Attributes:
+        deviation: The standard deviation of the white noise, in the unit of the channel.
+    """
+
+    def __init__(self, element: Element | None, random: np.random.Generator) -> None:
+        """Take what a <noise> says; its type is an attribute, or an element in Gazebo Classic.
+
+        Raises:
+            CannotWorkError: A number of it is none.
+        """
+        self._random = random
+        self.deviation = self._mean = self._bias = self._precision = 0.0
+        self._drift = self._correlation = 0.0
+        kind = "none" if element is None else element.attributes.get("type") or element.get("type")
+        self.is_there = element is not None and kind in GAUSSIAN
+        if element is None or not self.is_there:
+            return
+        self._mean, self.deviation = number(element, "mean", 0.0), number(element, "stddev", 0.0)
+        spread = number(element, "bias_stddev", 0.0)
+        self._bias = number(element, "bias_mean", 0.0)
+        if spread > 0:
+            self._bias = random.normal(self._bias, spread)
+        if random.random() < 0.5:  # noqa: PLR2004  as often negative
+            self._bias = -self._bias
+        self._precision = number(element, "precision", 0.0)
+        self._drift = number(element, "dynamic_bias_stddev", 0.0)
+        self._correlation = number(element, "dynamic_bias_correlation_time", 0.0)
+
+    @property
+    def variance(self) -> float:
+        """That of the white noise."""
+        return self.deviation**2
+
+    def apply(self, true: Floats, seconds: float = 0.0) -> Floats:
+        """What is measured of what is true, any shape, so many seconds after the last time."""
+        if not self.is_there:
+            return true
+        if self._drift > 0 and self._correlation > 0 and seconds > 0:
+            share = seconds / self._correlation
+            spread = math.sqrt(-(self._drift**2) * self._correlation / 2 * math.expm1(-2 * share))
+            self._bias = math.exp(-share) * self._bias + self._random.normal(0.0, spread)
+        measured: Floats = true + (self._bias + self._mean)
+        if self.deviation > 0:
+            measured += self._random.normal(0.0, self.deviation, np.shape(true))
+        if self._precision > 0:
+            measured = np.round(measured / self._precision) * self._precision
+        return measured

@@ -22,7 +22,7 @@ TYPES: dict[str, tuple[str, str]] = {
     "diff_drive_controller/DiffDriveController": ("diff_drive", "DiffDriveController"),
     "effort_controllers/JointGroupEffortController": ("forward_command", "EffortController"),
     "force_torque_sensor_broadcaster/ForceTorqueSensorBroadcaster": (
-        "force_torque_sensor_broadcaster",
+        "broadcasters",
         "ForceTorqueSensorBroadcaster",
     ),
     "forward_command_controller/ForwardCommandController": (
@@ -34,11 +34,11 @@ TYPES: dict[str, tuple[str, str]] = {
         "MultiInterfaceController",
     ),
     "imu_sensor_broadcaster/IMUSensorBroadcaster": (
-        "imu_sensor_broadcaster",
+        "broadcasters",
         "ImuSensorBroadcaster",
     ),
     "joint_state_broadcaster/JointStateBroadcaster": (
-        "joint_state_broadcaster",
+        "broadcasters",
         "JointStateBroadcaster",
     ),
     "joint_trajectory_controller/JointTrajectoryController": (

@@ -12,12 +12,10 @@ import math
 from geometry_msgs.msg import TwistStamped
 
 from wsgen.live.nodes.simulator.ros2_control.controllers.base import Controller, ControllerError
-from wsgen.live.nodes.simulator.ros2_control.controllers.odometry_messages import (
+from wsgen.live.nodes.simulator.ros2_control.controllers.topics import (
     OdometryMessages,
-    namespace_prefix,
-)
-from wsgen.live.nodes.simulator.ros2_control.controllers.velocity_command import (
     VelocityCommand,
+    namespace_prefix,
 )
 from wsgen.live.nodes.simulator.ros2_control.hardware import POSITION, VELOCITY
 from wsgen.live.nodes.simulator.ros2_control.wheels import Limits, WheelOdometry

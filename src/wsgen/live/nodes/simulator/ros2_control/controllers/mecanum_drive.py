@@ -13,11 +13,11 @@ from typing import Any
 from control_msgs.msg import MecanumDriveControllerState
 
 from wsgen.live.nodes.simulator.ros2_control.controllers.base import Controller
-from wsgen.live.nodes.simulator.ros2_control.controllers.odometry_messages import (
+from wsgen.live.nodes.simulator.ros2_control.controllers.topics import (
     OdometryMessages,
+    Reference,
     namespace_prefix,
 )
-from wsgen.live.nodes.simulator.ros2_control.controllers.reference import Reference
 from wsgen.live.nodes.simulator.ros2_control.hardware import VELOCITY
 from wsgen.live.nodes.simulator.ros2_control.wheels import Limits
 

@@ -13,14 +13,13 @@ from typing import Any
 from control_msgs.msg import SteeringControllerStatus
 
 from wsgen.live.nodes.simulator.ros2_control.controllers.base import Controller, ControllerError
-from wsgen.live.nodes.simulator.ros2_control.controllers.odometry_messages import (
+from wsgen.live.nodes.simulator.ros2_control.controllers.topics import (
     OdometryMessages,
+    Reference,
     written_prefix,
 )
-from wsgen.live.nodes.simulator.ros2_control.controllers.reference import Reference
 from wsgen.live.nodes.simulator.ros2_control.hardware import POSITION, VELOCITY
-from wsgen.live.nodes.simulator.ros2_control.steering import SteeringBase
-from wsgen.live.nodes.simulator.ros2_control.wheels import Odometry
+from wsgen.live.nodes.simulator.ros2_control.wheels import Odometry, SteeringBase
 
 COVARIANCES = (0.0, 7.0, 14.0, 21.0, 28.0, 35.0)
 FORMER = ("front_wheels_names", "rear_wheels_names")

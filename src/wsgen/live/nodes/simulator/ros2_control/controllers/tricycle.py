@@ -11,8 +11,8 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from wsgen.live.nodes.simulator.ros2_control.controllers.base import Controller, ControllerError
-from wsgen.live.nodes.simulator.ros2_control.controllers.odometry_messages import OdometryMessages
-from wsgen.live.nodes.simulator.ros2_control.controllers.velocity_command import (
+from wsgen.live.nodes.simulator.ros2_control.controllers.topics import (
+    OdometryMessages,
     VelocityCommand,
 )
 from wsgen.live.nodes.simulator.ros2_control.hardware import POSITION, VELOCITY

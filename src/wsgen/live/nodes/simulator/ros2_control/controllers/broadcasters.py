@@ -1,25 +1,25 @@
-"""`/joint_states` and `/dynamic_joint_states`.
-
-Source: ros-controls/ros2_controllers, joint_state_broadcaster/src/joint_state_broadcaster.cpp, of
-its branches humble, iron, jazzy and kilted.
-"""
+"""Controllers that publish the states of joints and sensors."""
 
 from __future__ import annotations
 
 import math
 from array import array
 
-from sensor_msgs.msg import JointState
+from geometry_msgs.msg import WrenchStamped
+from sensor_msgs.msg import Imu, JointState
 
 from wsgen.live.nodes.simulator.ros2_control.controllers.base import Controller, ControllerError
-from wsgen.live.nodes.simulator.ros2_control.hardware import OF_JOINTS
+from wsgen.live.nodes.simulator.ros2_control.hardware import FORCE_TORQUE, IMU, OF_JOINTS
 from wsgen.live.nodes.simulator.ros2_control.unordered import unordered
 
 UNKNOWN = math.nan
 
 
 class JointStateBroadcaster(Controller):
-    """Publishes the states of joints at each update.
+    """Publishes the states of joints at each update: `/joint_states`, `/dynamic_joint_states`.
+
+    Source: ros-controls/ros2_controllers, joint_state_broadcaster/src/joint_state_broadcaster.cpp,
+    of its branches humble, iron, jazzy and kilted.
 
     They are in the order of the alphabet where those of the URDF are published, in that of the
     interfaces otherwise; in Humble and Iron, and in `/dynamic_joint_states`, in that of the map in
@@ -118,3 +118,97 @@ class JointStateBroadcaster(Controller):
             message.interface_values.append(InterfaceValue(interface_names=kinds, values=values))
         assert self._dynamic is not None  # noqa: S101  it was asked
         self._dynamic.publish(message)
+
+
+class ForceTorqueSensorBroadcaster(Controller):
+    """Publishes `~/wrench` at each update.
+
+    Source: ros-controls/ros2_controllers, force_torque_sensor_broadcaster/src.
+    """
+
+    def configure(self) -> None:
+        """Read the parameters, open the topic."""
+        parameters = self.parameters
+        sensor = parameters.text("sensor_name")
+        named = {kind: parameters.text(f"interface_names.{kind}") for kind in FORCE_TORQUE}
+        if not sensor and not any(named.values()):
+            message = (
+                "'sensor_name' or at least one 'interface_names.[force|torque].[x|y|z]' parameter "
+                "has to be specified."
+            )
+            raise ControllerError(message)
+        if sensor and any(named.values()):
+            message = (
+                "both 'sensor_name' and 'interface_names.[force|torque].[x|y|z]' parameters can "
+                "not be specified together."
+            )
+            raise ControllerError(message)
+        self._names = {kind: f"{sensor}/{kind}" for kind in FORCE_TORQUE} if sensor else named
+        self.states = tuple(name for name in self._names.values() if name)
+        self._offset, self._factor = (
+            {kind: parameters.number(f"{name}.{kind}", default) for kind in FORCE_TORQUE}
+            for name, default in (("offset", 0.0), ("multiplier", 1.0))
+        )
+        if any(name.startswith("sensor_filter_chain.") for name in parameters.values):
+            self.warn_once("wsgen does not apply the parameter 'sensor_filter_chain'.")
+        self._message = WrenchStamped()
+        self._message.header.frame_id = parameters.text("frame_id")
+        self._publisher = self.publisher(WrenchStamped, "~/wrench")
+
+    def update(self, now: float, elapsed: float) -> None:  # noqa: ARG002  it only publishes
+        """Publish, where somebody listens."""
+        if not self._publisher.is_wanted:
+            return
+        message = self._message
+        message.header.stamp = self.ros.time(now)
+        for kind, name in self._names.items():
+            part, _, axis = kind.partition(".")
+            value = self.interfaces.states[name] if name else float("nan")
+            value = (value + self._offset[kind]) * self._factor[kind]
+            setattr(getattr(message.wrench, part), axis, value)
+        self._publisher.publish(message)
+
+
+COVARIANCES = ("orientation", "angular_velocity", "linear_acceleration")
+
+
+class ImuSensorBroadcaster(Controller):
+    """Publishes `~/imu` at each update.
+
+    Source: ros-controls/ros2_controllers, imu_sensor_broadcaster/src/imu_sensor_broadcaster.cpp.
+    """
+
+    def configure(self) -> None:
+        """Read the parameters, open the topic."""
+        parameters = self.parameters
+        name = parameters.text("sensor_name")
+        if not name:
+            message = "'sensor_name' parameter was empty"
+            raise ControllerError(message)
+        self.states = self._names = tuple(f"{name}/{kind}" for kind in IMU)
+        self._message = Imu()
+        self._message.header.frame_id = parameters.text("frame_id")
+        for channel in COVARIANCES:
+            values = parameters.numbers(f"static_covariance_{channel}", [0.0] * 9)
+            covariance = getattr(self._message, f"{channel}_covariance")
+            for index, value in enumerate(values[:9]):
+                covariance[index] = value
+        if any(parameters.number(f"rotation_offset.{one}") for one in ("roll", "pitch", "yaw")):
+            self.warn_once("wsgen does not apply the parameter 'rotation_offset'.")
+        self._publisher = self.publisher(Imu, "~/imu")
+
+    def update(self, now: float, elapsed: float) -> None:  # noqa: ARG002  it only publishes
+        """Publish, where somebody listens."""
+        if not self._publisher.is_wanted:
+            return
+        states, message = self.interfaces.states, self._message
+        message.header.stamp = self.ros.time(now)
+        x, y, z, w, *rest = (states[name] for name in self._names)
+        turn = message.orientation
+        turn.x, turn.y, turn.z, turn.w = x, y, z, w
+        for vector, values in (
+            (message.angular_velocity, rest[:3]),
+            (message.linear_acceleration, rest[3:]),
+        ):
+            vector.x, vector.y, vector.z = values
+        self._publisher.publish(message)

@@ -1,17 +1,23 @@
-"""Commands for one of several actuators, which come in one message.
+"""How plugins of Gazebo Sim are commanded: by actuators, by PID controllers.
 
-Source: gazebosim/gz-sim, `OnActuatorPos`, `OnActuatorVel` and `OnActuatorAng` of
-src/systems/joint_position_controller, joint_controller and ackermann_steering; the message is
-gz.msgs.Actuators, actuator_msgs/Actuators in ROS.
+Commands for one of several actuators come in one message: gz.msgs.Actuators, in ROS
+actuator_msgs/Actuators. Source: gazebosim/gz-sim, `OnActuatorPos`, `OnActuatorVel` and
+`OnActuatorAng` of src/systems/joint_position_controller, joint_controller and ackermann_steering.
+
+Of a PID controller (gazebosim/gz-math, src/PID.cc) the error is where it is less where it should
+be, the gain of the integral is applied as it grows, and a bound counts where the upper one is not
+below the lower.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
 
 from wsgen.live.nodes.simulator.elements import boolean, number
 from wsgen.live.nodes.simulator.host import CannotWorkError
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -63,3 +69,43 @@ def listen_to_actuator(
             )
 
     host.subscription(robot, Actuators, topic, choose)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gains:
+    """What <p_gain> and the like say."""
+
+    p: float
+    i: float
+    d: float
+    i_max: float = -1.0  # below `i_min`: none
+    i_min: float = 0.0
+    most: float = -1.0  # of the output; below `least`: none
+    least: float = 0.0
+    offset: float = 0.0  # of the output
+
+
+class GzPid:
+    """A PID controller."""
+
+    def __init__(self, gains: Gains) -> None:
+        self._gains = gains
+        self.reset()
+
+    def reset(self) -> None:
+        """Begin again."""
+        self._integral = self._last = 0.0
+
+    def command(self, error: float, seconds: float) -> float:
+        """What to do about an error, that time after the last one."""
+        if seconds <= 0.0 or not math.isfinite(error):
+            return 0.0
+        gains = self._gains
+        self._integral += gains.i * seconds * error
+        if gains.i_max >= gains.i_min:
+            self._integral = min(gains.i_max, max(gains.i_min, self._integral))
+        rate, self._last = (error - self._last) / seconds, error
+        command = gains.offset - gains.p * error - self._integral - gains.d * rate
+        if gains.most >= gains.least:
+            command = min(gains.most, max(gains.least, command))
+        return command

@@ -1,12 +1,14 @@
-"""What the drives of Gazebo Sim have in common: joints, limits, and odometry that they publish.
+"""What drives have in common: joints, limits, and odometry that they publish.
 
 Sources: gazebosim/gz-sim, src/systems/diff_drive/DiffDrive.cc,
-src/systems/ackermann_steering/AckermannSteering.cc and src/systems/mecanum_drive/MecanumDrive.cc.
+src/systems/ackermann_steering/AckermannSteering.cc and src/systems/mecanum_drive/MecanumDrive.cc;
+ros-simulation/gazebo_ros_pkgs, gazebo_plugins/src/gazebo_ros_diff_drive.cpp,
+gazebo_ros_ackermann_drive.cpp and gazebo_ros_planar_move.cpp (branch ros2).
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
@@ -15,7 +17,13 @@ from tf2_msgs.msg import TFMessage
 from wsgen.descriptions.urdf.diff_drive import UnusableError, read_bounds
 from wsgen.live.nodes.simulator.elements import number, text, topics_of
 from wsgen.live.nodes.simulator.host import CannotWorkError
-from wsgen.live.nodes.simulator.messages import of_yaw, set_pose, set_transform, set_twist
+from wsgen.live.nodes.simulator.messages import (
+    of_yaw,
+    planar_covariance,
+    set_pose,
+    set_transform,
+    set_twist,
+)
 from wsgen.live.nodes.simulator.timing import Timer
 
 if TYPE_CHECKING:
@@ -121,3 +129,25 @@ def limits(element: Element) -> Bounds:
         return read_bounds(values_of(element))
     except UnusableError as error:
         raise CannotWorkError(f"{error.why.reason}. {error.why.hint}") from None
+
+
+def classic_odometry(robot: RobotHandle, element: Element) -> Any:
+    """A message with its frames and covariances."""
+    message = Odometry(child_frame_id=text(element, "robot_base_frame", robot))
+    message.header.frame_id = text(element, "odometry_frame", robot)
+    x, y, yaw = (number(element, f"covariance_{name}") for name in ("x", "y", "yaw"))
+    message.pose.covariance = message.twist.covariance = planar_covariance(x, y, yaw)
+    return message
+
+
+def classic_publishers(
+    host: Host, robot: RobotHandle, element: Element, node: Any
+) -> tuple[Any, Any]:
+    """Those of odometry and transforms; None where the plugin is not to publish them."""
+    topics = topics_of(host, robot, element)
+    found = (("odometry", Odometry, 1), ("tf", TFMessage, 100))
+    odometry, tf = (
+        host.publisher(robot, kind, topics[use], node=node, depth=depth) if use in topics else None
+        for use, kind, depth in found
+    )
+    return odometry, tf

@@ -1,14 +1,26 @@
-"""The QoS that the <ros><qos> of a plugin of Gazebo Classic gives to its topics.
+"""Names and QoS that ROS takes, and the error where it takes a name not.
 
+The QoS is that which the <ros><qos> of a plugin of Gazebo Classic gives to its topics.
 Source: ros-simulation/gazebo_ros_pkgs, branch ros2, gazebo_ros/src/qos.cpp.
 """
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from wsgen.model.devices import Element
+
+
+class BadNameError(Exception):
+    """ROS refuses a name, a namespace or an argument; the text says which and why."""
+
+
+def node_name(text: str) -> str:
+    """A name that ROS takes for a node: Gazebo Sim's plugins are called as their classes."""
+    name = re.sub(r"[^A-Za-z0-9_]", "_", text)
+    return f"_{name}" if name[:1].isdigit() else name or "gazebo"
 
 
 def written_qos(ros: Element | None, topic: str, depth: int, end: str = "publisher") -> Any:

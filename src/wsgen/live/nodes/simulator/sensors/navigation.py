@@ -1,0 +1,228 @@
+"""Sensors of where a robot is on the earth: GNSS, altitude, air pressure, magnetic field."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from geometry_msgs.msg import Vector3Stamped
+from sensor_msgs.msg import FluidPressure, MagneticField, NavSatFix, NavSatStatus
+
+from wsgen.live.nodes.simulator.elements import number
+from wsgen.live.nodes.simulator.host import CannotWorkError
+from wsgen.live.nodes.simulator.sensors.geodesy import pressure_at, read_origin
+from wsgen.live.nodes.simulator.sensors.mounting import (
+    NEVER,
+    Noise,
+    Sensor,
+    put,
+    rotation,
+    sensor_qos,
+)
+from wsgen.model.devices import numbers_of
+
+if TYPE_CHECKING:
+    from wsgen.live.nodes.simulator.host import Host, RobotHandle
+    from wsgen.model.devices import MountedSensor
+
+
+GPS_SENSOR = ("gazebo_ros_gps_sensor",)
+NOISES = ("position_sensing", "velocity_sensing")
+
+
+class NavSat(Sensor):
+    """A receiver of satellite navigation: `gps`, `navsat`.
+
+    Gazebo Classic's `libgazebo_ros_gps_sensor.so` publishes sensor_msgs/NavSatFix on `~/out` and
+    the velocity, east, north and up, on `~/vel` (ros-simulation/gazebo_ros_pkgs, branch ros2,
+    gazebo_plugins/src/gazebo_ros_gps_sensor.cpp). Gazebo Sim publishes on <topic>, else
+    `/world/…/sensor/NAME/navsat` (gazebosim/gz-sensors, src/NavSatSensor.cc). Without
+    <spherical_coordinates> in the world there is no place on Earth, and nothing is published.
+    """
+
+    def __init__(self, host: Host, robot: RobotHandle, sensor: MountedSensor) -> None:
+        super().__init__(host, robot, sensor)
+        origin = read_origin(host.surroundings.get("spherical_coordinates"), host.simulator)
+        if origin is None:
+            raise CannotWorkError(
+                "the world says not where on Earth it is. Write <spherical_coordinates> into it."
+            )
+        self.origin = origin
+        random = np.random.default_rng(self.seed)
+        element = sensor.element.find("navsat") or sensor.element.find("gps")
+        self._noises = {
+            (what, way): Noise(
+                None if element is None else element.find(f"{what}/{way}/noise"), random
+            )
+            for what in NOISES
+            for way in ("horizontal", "vertical")
+        }
+        self.outputs: list[tuple[Any, Any, str]] = []
+        if host.simulator == "classic":
+            for plugin in self.classic_plugins(GPS_SENSOR):
+                node = self.classic_node(plugin)
+                fix, velocity = (
+                    host.publisher(robot, kind, topic, node=node, qos=sensor_qos(plugin, topic))
+                    for kind, topic in ((NavSatFix, "~/out"), (Vector3Stamped, "~/vel"))
+                )
+                self.outputs.append((fix, velocity, self.classic_frame(plugin)))
+        else:
+            publisher = host.publisher(robot, NavSatFix, self.topic("/navsat"))
+            self.outputs.append((publisher, None, self.gz_frame))
+        if not self.outputs:
+            self.period = NEVER
+
+    def update(self) -> None:
+        """Publish where it is, if somebody wants it."""
+        for fix, velocity, frame in self.outputs:
+            if fix.is_wanted:
+                fix.publish(self._fix(frame))
+            if velocity is not None and velocity.is_wanted:
+                velocity.publish(self._velocity(frame))
+
+    def _fix(self, frame: str) -> Any:
+        message = NavSatFix()
+        message.header.stamp = self.host.stamp()
+        message.header.frame_id = frame
+        across = self._noises["position_sensing", "horizontal"]
+        up = self._noises["position_sensing", "vertical"]
+        is_classic = self.host.simulator == "classic"
+        xyz = np.array(self.pose().xyz)
+        if is_classic:  # whose noise is in meters
+            xyz = np.array([*across.apply(xyz[:2]), float(up.apply(xyz[2:])[0])])
+        latitude, longitude, elevation = self.origin.place((xyz[0], xyz[1], xyz[2]))
+        if not is_classic:  # whose noise is in degrees, but for the elevation
+            latitude, longitude = across.apply(np.array([latitude, longitude])).tolist()
+            elevation = float(up.apply(np.array(elevation)))
+        message.latitude, message.longitude, message.altitude = latitude, longitude, elevation
+        message.status.status = NavSatStatus.STATUS_FIX
+        if is_classic:
+            message.status.service = NavSatStatus.SERVICE_GPS
+            message.position_covariance_type = NavSatFix.COVARIANCE_TYPE_DIAGONAL_KNOWN
+            for place, noise in zip((0, 4, 8), (across, across, up), strict=True):
+                message.position_covariance[place] = noise.variance
+        return message
+
+    def _velocity(self, frame: str) -> Any:
+        message = Vector3Stamped()
+        message.header.stamp = self.host.stamp()
+        message.header.frame_id = frame
+        x, y, z = self.velocity()[0].tolist()
+        east, north, up = self.origin.east_north_up((x, y, z)).tolist()
+        across = self._noises["velocity_sensing", "horizontal"]
+        east, north = across.apply(np.array([east, north])).tolist()
+        up = float(self._noises["velocity_sensing", "vertical"].apply(np.array(up)))
+        put(message.vector, (east, north, up))
+        return message
+
+
+class _OfGazeboSim(Sensor):
+    """A sensor of Gazebo Sim alone: ROS 2 has no plugin of Gazebo Classic for it."""
+
+    message: Any = None  # its type
+
+    def open(self, topic: str) -> None:
+        """Publish on <topic>, else on that of Gazebo, below `/world/…/sensor/NAME`."""
+        self._publisher: Any = None
+        if self.host.simulator == "classic":
+            list(self.classic_plugins(()))
+            self.period = NEVER
+        else:
+            self._publisher = self.host.publisher(self.robot, self.message, self.topic(topic))
+
+    def fill(self, message: Any) -> None:
+        """Put in what is measured."""
+        raise NotImplementedError
+
+    def update(self) -> None:
+        """Publish what is measured, if somebody wants it."""
+        if self._publisher is None or not self._publisher.is_wanted:
+            return
+        message = self.message()
+        message.header.stamp = self.host.stamp()
+        message.header.frame_id = self.gz_frame
+        self.fill(message)
+        self._publisher.publish(message)
+
+
+class Altimeter(_OfGazeboSim):
+    """The height against the one at the beginning, and its change.
+
+    As ros_gz_interfaces/Altimeter (gazebosim/gz-sensors, src/AltimeterSensor.cc; gazebosim/gz-sim,
+    src/systems/altimeter/Altimeter.cc).
+    """
+
+    def __init__(self, host: Host, robot: RobotHandle, sensor: MountedSensor) -> None:
+        super().__init__(host, robot, sensor)
+        random = np.random.default_rng(self.seed)
+        self._noises = [
+            Noise(sensor.element.find(f"altimeter/{what}/noise"), random)
+            for what in ("vertical_position", "vertical_velocity")
+        ]
+        self._reference = self.pose().xyz[2]
+        if host.simulator != "classic":
+            from ros_gz_interfaces.msg import Altimeter as Message  # noqa: PLC0415  of Gazebo Sim
+
+            self.message = Message
+        self.open("/altimeter")
+
+    def fill(self, message: Any) -> None:
+        """As in the base."""
+        height, climb = self.pose().xyz[2] - self._reference, self.velocity()[0][2]
+        message.vertical_position = float(self._noises[0].apply(np.array(height)))
+        message.vertical_velocity = float(self._noises[1].apply(np.array(climb)))
+        message.vertical_reference = self._reference
+
+
+class AirPressure(_OfGazeboSim):
+    """The pressure by the standard atmosphere, Pa.
+
+    As sensor_msgs/FluidPressure (gazebosim/gz-sensors, src/AirPressureSensor.cc).
+    """
+
+    message = FluidPressure
+
+    def __init__(self, host: Host, robot: RobotHandle, sensor: MountedSensor) -> None:
+        super().__init__(host, robot, sensor)
+        element = sensor.element
+        self._noise = Noise(
+            element.find("air_pressure/pressure/noise"), np.random.default_rng(self.seed)
+        )
+        self._altitude = number(element, "air_pressure/reference_altitude", 0.0)
+        self.open("/air_pressure")
+
+    def fill(self, message: Any) -> None:
+        """As in the base."""
+        true = pressure_at(self._altitude + self.pose().xyz[2])
+        message.fluid_pressure = float(self._noise.apply(np.array(true)))
+        message.variance = self._noise.variance
+
+
+FIELD = (5.5645e-6, 22.8758e-6, -42.3884e-6)  # T, SDF's default
+
+
+class Magnetometer(_OfGazeboSim):
+    """The <magnetic_field> of the world in the frame of the sensor, T.
+
+    As sensor_msgs/MagneticField (gazebosim/gz-sensors, src/MagnetometerSensor.cc). The tables of
+    the field of Earth are not used.
+    """
+
+    message = MagneticField
+
+    def __init__(self, host: Host, robot: RobotHandle, sensor: MountedSensor) -> None:
+        super().__init__(host, robot, sensor)
+        written = host.surroundings.get("magnetic_field")
+        numbers = [] if written is None else numbers_of(written.text)
+        self._field = np.array(numbers if len(numbers) == len(FIELD) else FIELD)
+        random = np.random.default_rng(self.seed)
+        self._noises = [
+            Noise(sensor.element.find(f"magnetometer/{axis}/noise"), random) for axis in "xyz"
+        ]
+        self.open("/magnetometer")
+
+    def fill(self, message: Any) -> None:
+        """As in the base."""
+        own = rotation(self.pose()).T @ self._field
+        measured = [noise.apply(part) for noise, part in zip(self._noises, own, strict=True)]
+        put(message.magnetic_field, np.array(measured))
