@@ -30,8 +30,8 @@ from wsgen.model.engines import ENGINES
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
 from wsgen.simulation.controllers import UPDATE, DiffDriveController
-from wsgen.simulation.odometer import heading_of
 from wsgen.simulation.run import missing_engines
+from wsgen.simulation.sampling import heading_of
 from wsgen.simulation.scene import SpawnedRobot
 
 if TYPE_CHECKING:

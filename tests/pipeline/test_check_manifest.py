@@ -12,7 +12,7 @@ import pytest
 from wsgen.packages.build_files.facts import read_build_facts
 from wsgen.packages.workspace.layout import read_package
 from wsgen.pipeline.check import CheckRequest, check
-from wsgen.pipeline.check_manifest import check_package_manifest
+from wsgen.pipeline.check_sources import check_package_manifest
 
 if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic

@@ -6,7 +6,7 @@ import pytest
 
 from wsgen.packages.workspace.layout import PackageFolder
 from wsgen.pipeline.check import CheckRequest, check
-from wsgen.pipeline.reached_packages import SIZE_LIMIT, find_reached
+from wsgen.pipeline.installed_as_built import SIZE_LIMIT, find_reached
 
 MANIFEST = """\
 <package format="3"><name>{}</name><version>0.0.1</version><description>Parts.</description>

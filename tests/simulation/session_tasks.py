@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
-from wsgen.pipeline.tasks import session
+from wsgen.pipeline.tasks import simulation
 from wsgen.simulation.engine import Contact, Loaded, Refused, State
 from wsgen.simulation.fake import FakeEngine
 
@@ -47,4 +47,4 @@ class ScriptEngine(FakeEngine):
 
 
 def serve(scene: Scene, remembered: float, endpoint: Endpoint) -> None:
-    session.serve(scene, remembered, endpoint, ScriptEngine)
+    simulation.serve(scene, remembered, endpoint, ScriptEngine)

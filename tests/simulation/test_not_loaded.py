@@ -16,8 +16,7 @@ from wsgen.isolation.codec import encode
 from wsgen.isolation.result import Answered, Died
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
-from wsgen.simulation.not_loaded import explain_not_loaded
-from wsgen.simulation.run import run_simulation
+from wsgen.simulation.run import explain_not_loaded, run_simulation
 from wsgen.simulation.scene import NotDrawn, Scene, SceneResult, SpawnedRobot
 
 if TYPE_CHECKING:

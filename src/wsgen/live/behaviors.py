@@ -16,8 +16,7 @@ from wsgen.model.transform import rotation_of_quaternion
 from wsgen.packages.workspace.layout import find_packages
 from wsgen.pipeline.changed_since_build import shares_of
 from wsgen.simulation.engine import State
-from wsgen.simulation.odometer import Odometer, heading_of
-from wsgen.simulation.sampling import DIGITS, TOLERANCE
+from wsgen.simulation.sampling import DIGITS, TOLERANCE, Odometer, heading_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

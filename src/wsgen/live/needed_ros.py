@@ -18,7 +18,7 @@ from wsgen.checks.rules.target import target_of
 from wsgen.launching import commands
 from wsgen.model.facts import DISTROS
 from wsgen.model.target import DISTROS_WITH_CLASSIC, Target
-from wsgen.pipeline.reached_packages import WORDS, texts_below
+from wsgen.pipeline.installed_as_built import WORDS, texts_below
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator

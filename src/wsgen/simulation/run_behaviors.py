@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.simulation.controllers import UPDATE, controller_for
-from wsgen.simulation.odometer import Odometer
+from wsgen.simulation.sampling import Odometer
 from wsgen.simulation.scene import RUNNING, BehaviorMeasurement
 from wsgen.simulation.simulate import REST_HELD, brake, is_finite, is_moving
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from wsgen.model.behavior import TimeSeries
 from wsgen.model.transform import multiply, rotation_of_quaternion, transpose
-from wsgen.simulation.odometer import heading_of
 from wsgen.simulation.simulate import is_finite
 
 if TYPE_CHECKING:
@@ -18,6 +17,40 @@ if TYPE_CHECKING:
     from wsgen.model.transform import Matrix
     from wsgen.simulation.engine import Engine, State
     from wsgen.simulation.scene import RobotRun, Scene
+
+
+class Odometer:
+    """How far a robot has come since it began.
+
+    Attributes:
+        moved: m, m, rad: of the root link's frame, along x and y of where it was, and how far it
+            has turned, whole turns included.
+        is_finite: Whether all states were; if not, `moved` is what was measured before.
+    """
+
+    def __init__(self, start: State) -> None:
+        self.is_finite = is_finite(start)
+        self._xyz = start.xyz
+        self._heading = self._last = heading_of(start) if self.is_finite else 0.0
+        self.moved = (0.0, 0.0, 0.0)  # m, m, rad
+
+    def go(self, state: State) -> None:
+        """Take in where it is an update later."""
+        self.is_finite = self.is_finite and is_finite(state)
+        if not self.is_finite:
+            return
+        heading = heading_of(state)
+        turned = self.moved[2] + math.remainder(heading - self._last, math.tau)
+        self._last = heading
+        east, north = state.xyz[0] - self._xyz[0], state.xyz[1] - self._xyz[1]
+        sin, cos = math.sin(self._heading), math.cos(self._heading)
+        self.moved = (cos * east + sin * north, cos * north - sin * east, turned)
+
+
+def heading_of(state: State) -> float:
+    """Of the root link's x axis on the ground, rad."""
+    rotation = rotation_of_quaternion(state.xyzw)
+    return math.atan2(rotation[1][0], rotation[0][0])
 
 
 DIGITS = 6  # of m, rad and s that are kept: engines are less exact

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wsgen.checks.fixes import build_files, install_rules, launch_files, manifests, robots, words
+from wsgen.checks.fixes import build_files, cmake_source, launch_files, manifests, meant, robots
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -24,10 +24,10 @@ FIXERS: Mapping[str, Fixer] = {
     "invalid-manifest": manifests.fix_version,
     "invalid-settings": manifests.fix_settings_key,
     "unknown-rule-allowed": manifests.fix_allowed_rule,
-    "unused-allowance": words.remove_allowance,
+    "unused-allowance": meant.remove_allowance,
     "unnamed-package": manifests.add_name,
     "missing-build-file": manifests.fix_build_type,
-    "unknown-build-type": words.fix_word,
+    "unknown-build-type": meant.fix_word,
     "not-a-rosdep-key": manifests.write_dependency,
     **dict.fromkeys(
         (
@@ -63,9 +63,9 @@ FIXERS: Mapping[str, Fixer] = {
     "broken-console-script": build_files.fix_script_folder,
     "command-after-ament-package": build_files.move_ament_package,
     "registered-after-ament-package": build_files.move_ament_package,
-    "contents-installed": install_rules.remove_last_slashes,
-    "repeated-folder": install_rules.shorten_destination,
-    "wrong-destination": install_rules.fix_destination,
+    "contents-installed": cmake_source.remove_last_slashes,
+    "repeated-folder": cmake_source.shorten_destination,
+    "wrong-destination": cmake_source.fix_destination,
     "folder-not-installed": build_files.install_folder,
     "broken-shebang": build_files.fix_shebang,
     "program-not-installed": build_files.install_program,
@@ -92,9 +92,9 @@ FIXERS: Mapping[str, Fixer] = {
     "misspelled-element": robots.fix_element_name,
     "misspelled-attribute": robots.fix_attribute_name,
     "unprefixed-xacro": robots.add_prefix,
-    "unknown-plugin-part": words.fix_word,
-    "frame-without-link": words.fix_word,
-    "unknown-controller-joint": words.fix_word,
+    "unknown-plugin-part": meant.fix_word,
+    "frame-without-link": meant.fix_word,
+    "unknown-controller-joint": meant.fix_word,
     "unknown-system": robots.fix_attribute,
     "unknown-controlled-joint": robots.fix_joint,
     "unknown-transmission-joint": robots.fix_joint,
@@ -105,9 +105,9 @@ FIXERS: Mapping[str, Fixer] = {
     "missing-sensor-system": robots.add_system_plugins,
     # launch files
     "no-clock-bridge": launch_files.add_clock,
-    "invalid-bridge-entry": words.fix_word,
-    "unknown-controller-type": words.fix_word,
-    "unpublished-frame": words.fix_word,
+    "invalid-bridge-entry": meant.fix_word,
+    "unknown-controller-type": meant.fix_word,
+    "unpublished-frame": meant.fix_word,
     "spawned-in-ground": launch_files.raise_spawned,
     "glued-command": launch_files.add_blank_after_xacro,
     "glued-arguments": launch_files.add_blank_after_option,

@@ -112,7 +112,7 @@ MODULES = (
     "wsgen.descriptions.sdf.worlds",
     "wsgen.descriptions.sdf.shapes",
     "wsgen.descriptions.sdf.source",
-    "wsgen.simulation.not_loaded",
+    "wsgen.simulation.run",
     "wsgen.simulation.run",
     "wsgen.templating.render",
     "wsgen.templating.template",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wsgen.pipeline.tasks import session, simulation
+from wsgen.pipeline.tasks import simulation
 from wsgen.simulation.mujoco import MujocoEngine
 
 if TYPE_CHECKING:
@@ -19,4 +19,4 @@ def simulate(scene: Scene) -> SceneResult:
 
 def serve(scene: Scene, remembered: float, endpoint: Endpoint) -> None:
     """Do with the scene what commands say, in MuJoCo."""
-    session.serve(scene, remembered, endpoint, MujocoEngine)
+    simulation.serve(scene, remembered, endpoint, MujocoEngine)
