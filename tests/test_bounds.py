@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.parent import Run
     from wsgen.model.package import PackageSpec
+    from wsgen.templating.spec import Variable
     from wsgen.templating.template import Template
-    from wsgen.templating.variables import Variable
 
 
 pytestmark = pytest.mark.slow

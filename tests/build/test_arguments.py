@@ -12,7 +12,7 @@ from wsgen.building.colcon import (
     blocked_extensions,
     build_arguments,
 )
-from wsgen.building.source_packages import (
+from wsgen.building.left_out import (
     WITHOUT_TESTS,
 )
 from wsgen.packages.workspace.layout import Inventory, Workspace

@@ -17,7 +17,7 @@ from build.building import (
     outside,
     write_package,
 )
-from wsgen.building.without_ros import LAST_ARGUMENTS, LEFT_OUT, configure_again
+from wsgen.building.left_out import LAST_ARGUMENTS, LEFT_OUT, configure_again
 from wsgen.diagnostics import Severity
 
 if TYPE_CHECKING:

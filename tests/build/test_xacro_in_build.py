@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from build.building import CMAKE, build_here, outside, plain_colcon, write_package
-from wsgen.building.package_environment import run_ros2, run_xacro
+from wsgen.building.toolchain import run_ros2, run_xacro
 
 ROBOT = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">%s</robot>'
 FIND_XACRO = CMAKE.replace("install(", "find_package(xacro REQUIRED)\n%s\ninstall(", 1)

@@ -119,7 +119,7 @@ def test_a_shell_reads_nothing_where_nothing_can_be_completed(tmp_path: Path) ->
 def test_it_loads_little(workspace: Path) -> None:
     run = ask("launch rover", workspace, PYTHONPROFILEIMPORTTIME="1")
     loaded = {line.rpartition("|")[2].strip() for line in run.stderr.splitlines()}
-    assert "wsgen.cli.completion" in loaded
+    assert "wsgen.cli.options" in loaded
     assert not loaded & HEAVY
 
 

@@ -7,8 +7,7 @@ import pytest
 import yaml._yaml
 
 from wsgen.isolation import parent
-from wsgen.isolation.missing_library import MissingLibrary, find_missing_library
-from wsgen.isolation.result import Died
+from wsgen.isolation.result import Died, MissingLibrary, find_missing_library
 
 GLIBC = "cannot open shared object file: No such file or directory"
 

@@ -9,8 +9,8 @@ from golden_support import CASES
 from wsgen.model import facts
 from wsgen.model.target import SIMULATORS, TARGETS, Target
 from wsgen.templating.sources import templates_folder
+from wsgen.templating.spec import TYPES
 from wsgen.templating.template import KEYS, VARIABLE_KEYS, template_names
-from wsgen.templating.variables import TYPES
 
 ROOT = Path(__file__).parents[2]
 TARGETS_HEAD = """# Targets

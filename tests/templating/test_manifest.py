@@ -5,9 +5,8 @@ import pytest
 from wsgen.errors import RequestError
 from wsgen.model.target import DEFAULT_TARGET, TARGETS, Target, choose_target
 from wsgen.templating.sources import find_source, templates_folder
-from wsgen.templating.spec import find_license, license_names
+from wsgen.templating.spec import find_license, license_names, resolve_answers
 from wsgen.templating.template import Template, load_template, template_names
-from wsgen.templating.variables import resolve_answers
 
 CLASSIC_FILES = {
     "CMakeLists.txt",

@@ -2,7 +2,7 @@ import pytest
 
 from wsgen.errors import RequestError
 from wsgen.model.package import Answer
-from wsgen.templating.variables import Variable, resolve_answers, show
+from wsgen.templating.spec import Variable, resolve_answers, show
 
 VARIABLES = {
     variable.name: variable

@@ -694,7 +694,7 @@ def _find_install(failure: Failure, name: str) -> tuple[int | None, str]:
 
 
 def _xacro_error(failure: Failure) -> Iterator[Diagnostic]:
-    """Report what `wsgen.building.package_environment` prints."""
+    """Report what `wsgen.building.toolchain` prints."""
     for name, line, message, hint in re.findall(
         r"(?m)^xacro: (.+?):(\d*): (.+)\nxacro: (.*)$", failure.output
     ):

@@ -26,7 +26,7 @@ from colcon_core.executor import Job
 from colcon_core.location import get_log_path
 from colcon_core.plugin_system import satisfies_version
 
-from wsgen.building.package_environment import ignore_python_environments, set_package_environments
+from wsgen.building.toolchain import ignore_python_environments, set_package_environments
 from wsgen.isolation.system import end_tree, end_with_parent, take_parent_death_pipe
 
 if TYPE_CHECKING:

@@ -26,8 +26,14 @@ from colcon_core.argument_parser import (
 from colcon_core.logging import colcon_logger
 from colcon_core.plugin_system import satisfies_version
 
-from wsgen.building.package_environment import ignore_python_environments, set_package_environments
-from wsgen.building.toolchain import Wheels, find_toolchain, package_prefixes, use_toolchain
+from wsgen.building.toolchain import (
+    Wheels,
+    find_toolchain,
+    ignore_python_environments,
+    package_prefixes,
+    set_package_environments,
+    use_toolchain,
+)
 from wsgen.errors import NotFoundError
 
 if TYPE_CHECKING:
@@ -73,12 +79,12 @@ class _Arguments(ArgumentParserDecorator):  # type: ignore[misc]  # colcon is no
 
 def _add_cmake_arguments(parsed: argparse.Namespace) -> None:
     # Only `colcon build` pays for reading the packages.
-    from wsgen.building.source_packages import (  # noqa: PLC0415
+    from wsgen.building.left_out import (  # noqa: PLC0415
         WITHOUT_TESTS,
         missing_test_dependencies,
         tests_left_out,
+        without_ros_arguments,
     )
-    from wsgen.building.without_ros import without_ros_arguments  # noqa: PLC0415
     from wsgen.packages.workspace.layout import Workspace, take_inventory  # noqa: PLC0415
 
     # Without colcon's extensions for CMake or ROS, their arguments do not exist.

@@ -23,7 +23,7 @@ from colcon_core.subprocess import run
 from colcon_core.task import TaskContext, TaskExtensionPoint
 from colcon_core.verb import check_and_mark_build_tool
 
-from wsgen.building.package_environment import EXECUTOR, IN_ORDER
+from wsgen.building.toolchain import EXECUTOR, IN_ORDER
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, EXIT_SIGNALLED
 from wsgen.text.files import read_regular_text
 from wsgen.text.printable import clean

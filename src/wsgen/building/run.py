@@ -21,24 +21,22 @@ from wsgen.building.colcon import (
     selects_packages,
 )
 from wsgen.building.installed import NEW_CACHE, check_installed, find_relocated
-from wsgen.building.source_packages import (
+from wsgen.building.left_out import (
+    OLD_PACKAGES,
+    SOURCED_VARIABLES,
     WITHOUT_TESTS,
+    add_left_out,
+    configure_again,
     missing_build_types,
     missing_test_dependencies,
+    report_left_out,
     skipped_packages,
     tests_left_out,
     unknown_build_types,
-)
-from wsgen.building.toolchain import SourcedRos, find_toolchain, package_prefixes
-from wsgen.building.without_ros import (
-    OLD_PACKAGES,
-    SOURCED_VARIABLES,
-    add_left_out,
-    configure_again,
-    report_left_out,
     without_ros_arguments,
     without_ros_variables,
 )
+from wsgen.building.toolchain import SourcedRos, find_toolchain, package_prefixes
 from wsgen.diagnostics import Diagnostic, Rule, Severity, has_errors
 from wsgen.errors import NotFoundError, WsgenError
 from wsgen.events import Listener, OutputLine, StepEnded, StepStarted, post

@@ -358,7 +358,7 @@ def _print_usage_error(
 
 def _explain_library(error: ImportError) -> WsgenError | None:
     """The error for a library of the system that a compiled module needs; None for any other."""
-    from wsgen.isolation.missing_library import find_missing_library
+    from wsgen.isolation.result import find_missing_library
 
     missing = find_missing_library(str(error))
     if missing is None:

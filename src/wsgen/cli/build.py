@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import click
 
-from wsgen.cli.completion import complete_packages
-from wsgen.cli.options import ExampleCommand, format_option, output_options, workspace_option
+from wsgen.cli.options import (
+    ExampleCommand,
+    complete_packages,
+    format_option,
+    output_options,
+    workspace_option,
+)
 from wsgen.cli.terminal import echo
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED
 
@@ -85,8 +90,8 @@ def build_workspace(
     import os
     import shlex
 
+    from wsgen.building.left_out import NOT_COMPILED
     from wsgen.building.run import build
-    from wsgen.building.without_ros import NOT_COMPILED
     from wsgen.cli.output import render_alike, render_diagnostics
     from wsgen.cli.progress import listening
     from wsgen.cli.words import announce_place, next_command

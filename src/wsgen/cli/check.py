@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wsgen.cli.completion import complete_rules
 from wsgen.cli.options import (
     Choice,
     ExampleCommand,
+    complete_rules,
     jobs_option,
     output_options,
     workspace_option,

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wsgen.cli.completion import complete_launch_words
 from wsgen.cli.options import (
     ExampleCommand,
     answer_option,
     chosen_answers,
     chosen_engines,
+    complete_launch_words,
     engine_option,
     format_option,
     output_options,

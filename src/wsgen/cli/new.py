@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wsgen.cli.completion import complete_templates
 from wsgen.cli.options import (
     Choice,
     ExampleCommand,
     chosen_engines,
     chosen_target,
+    complete_templates,
     distro_option,
     format_option,
     output_options,

@@ -6,8 +6,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wsgen.cli.completion import complete_packages_and_files, complete_programs
-from wsgen.cli.options import ExampleCommand, workspace_option
+from wsgen.cli.options import (
+    ExampleCommand,
+    complete_packages_and_files,
+    complete_programs,
+    workspace_option,
+)
 from wsgen.cli.terminal import echo
 from wsgen.errors import NotFoundError, RequestError
 

@@ -6,15 +6,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wsgen.cli.completion import (
-    complete_launch_files,
-    complete_packages_and_files,
-    complete_templates,
-)
 from wsgen.cli.options import (
     RUN_SECONDS,
     ExampleCommand,
     argument_option,
+    complete_launch_files,
+    complete_packages_and_files,
+    complete_templates,
     distro_option,
     engine_option,
     format_option,

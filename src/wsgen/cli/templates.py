@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wsgen.cli.completion import complete_templates
-from wsgen.cli.options import ExampleCommand, format_option, output_options
+from wsgen.cli.options import ExampleCommand, complete_templates, format_option, output_options
 from wsgen.cli.terminal import echo
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, RequestError
 
@@ -15,8 +14,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from wsgen.diagnostics import Diagnostic
+    from wsgen.templating.spec import Variable
     from wsgen.templating.template import Template
-    from wsgen.templating.variables import Variable
 
 
 @click.command(
@@ -115,6 +114,6 @@ def _describe(template: Template, *, quiet: bool) -> list[str]:
 
 
 def _row(variable: Variable) -> tuple[str, ...]:
-    from wsgen.templating.variables import show
+    from wsgen.templating.spec import show
 
     return (f"{variable.name}={show(variable.default)}", variable.expected, variable.help)

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wsgen.cli.completion import complete_launch_files, complete_packages_and_files
 from wsgen.cli.options import (
     ExampleCommand,
     answer_option,
@@ -14,6 +13,8 @@ from wsgen.cli.options import (
     chosen_answers,
     chosen_engines,
     chosen_gazebo,
+    complete_launch_files,
+    complete_packages_and_files,
     engine_or_gazebo_option,
     github_format_option,
     jobs_option,

@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wsgen.cli.completion import complete_launch_files, complete_packages_and_files
 from wsgen.cli.options import (
     ExampleCommand,
     answer_option,
     argument_option,
     chosen_answers,
+    complete_launch_files,
+    complete_packages_and_files,
     output_options,
     page_options,
     workspace_option,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.building.toolchain import MAKE_PROGRAMS, SourcedRos, fetch_arguments
 from wsgen.doctor.machine import Requirement, names_in_apt, read_os_release, ros_prefixes
 from wsgen.errors import WsgenError
-from wsgen.isolation.missing_library import find_missing_library
+from wsgen.isolation.result import find_missing_library
 from wsgen.model.engines import ENGINES
 from wsgen.model.facts import DISTROS, RELEASED_FOR
 from wsgen.model.installation import (

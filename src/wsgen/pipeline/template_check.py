@@ -26,8 +26,7 @@ from wsgen.pipeline.started import start
 from wsgen.simulation.run import default_engine
 from wsgen.templating.render import installed_folders
 from wsgen.templating.render_apart import render_tree_apart
-from wsgen.templating.spec import make_spec
-from wsgen.templating.variables import show
+from wsgen.templating.spec import make_spec, show
 from wsgen.templating.write import write_package
 from wsgen.text import tomlfile
 from wsgen.text.xmltree import Malformed, parse

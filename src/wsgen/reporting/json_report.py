@@ -33,8 +33,8 @@ if TYPE_CHECKING:
     )
     from wsgen.model.transform import Pose
     from wsgen.pipeline.create import CreatedPackage
+    from wsgen.templating.spec import Variable
     from wsgen.templating.template import Template
-    from wsgen.templating.variables import Variable
 
 
 VERSION = 1  # changes only when a key is removed or changes its meaning

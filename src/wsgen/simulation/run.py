@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Rule, Severity
 from wsgen.isolation import parent
 from wsgen.isolation.codec import decode
-from wsgen.isolation.missing_library import find_missing_library
-from wsgen.isolation.result import DEFAULT_LIMITS, Died
+from wsgen.isolation.result import DEFAULT_LIMITS, Died, find_missing_library
 from wsgen.model.engines import ENGINES
 from wsgen.model.robot import Mesh
 from wsgen.simulation.scene import (

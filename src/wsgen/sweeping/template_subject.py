@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from wsgen.pipeline.started import Started
     from wsgen.sweeping.subject import SubjectRequest
     from wsgen.templating.render import RenderedTree
-    from wsgen.templating.variables import Variable
+    from wsgen.templating.spec import Variable
 
 
 MAINTAINER = Maintainer(name="wsgen", email="wsgen@example.com")

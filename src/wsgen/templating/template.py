@@ -15,7 +15,7 @@ from wsgen.errors import BrokenTemplateError, RequestError
 from wsgen.model.package import PYTHON_KEYWORDS, check_package_name
 from wsgen.model.target import SIMULATORS, TARGETS
 from wsgen.templating.sources import SHIPPED, templates_folder
-from wsgen.templating.variables import TYPES, Variable
+from wsgen.templating.spec import TYPES, Variable
 from wsgen.text import tomlfile
 from wsgen.text.suggestions import ask_for_nearest
 from wsgen.text.tomlfile import find_line
