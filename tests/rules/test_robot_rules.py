@@ -200,8 +200,8 @@ def test_a_size_in_other_units_by_its_mass(
 
 
 def test_a_visual_in_other_units_that_is_no_beam() -> None:
-    small, large = Cylinder(radius=0.1, length=0.4), Cylinder(radius=0.1, length=4)
-    wheel = part(small, mass=0.5, moment=0.67, seen=large)
+    small, large = Cylinder(radius=0.1, length=0.4), Cylinder(radius=0.1, length=6)
+    wheel = part(small, mass=0.5, moment=1.5, seen=large)
     beam = part(small, mass=0.5, moment=0.001, seen=large, name="beam")
     (found,) = find_oversized([wheel, beam, link(0.1)], []).values()
     assert (found.link, found.shape) == (wheel, large)
