@@ -11,7 +11,7 @@ from wsgen.cli.options import (
     output_options,
     workspace_option,
 )
-from wsgen.cli.terminal import echo
+from wsgen.cli.terminal import echo, echo_next
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED
 
 COLCON_ARGUMENTS = "wsgen.colcon_arguments"
@@ -128,15 +128,14 @@ def build_workspace(
         if result.not_built and "--continue-on-error" not in colcon_arguments and not quiet:
             words = [*packages, "--", *colcon_arguments, "--continue-on-error"]
             build_all = next_command(place, shlex.join(["wsgen", "build", *words]))
-            echo(
-                f"Next: {build_all}  (builds the packages that do not depend on the failed ones)",
-                err=True,
+            echo_next(
+                f"Next: {build_all}  (builds the packages that do not depend on the failed ones)"
             )
         has_built = any(package.outcome == "built" for package in result.packages)
         if result.succeeded and not (quiet or goes_on):
             validate = " ".join(["wsgen validate", *packages])
-            echo(f"Next: {next_command(place, validate)}", err=True)
+            echo_next(f"Next: {next_command(place, validate)}")
         elif has_built and not (result.succeeded or quiet):
             validate = next_command(place, "wsgen validate")
-            echo(f"Next: fix the errors, or validate what is built: {validate}", err=True)
+            echo_next(f"Next: fix the errors, or validate what is built: {validate}")
     return EXIT_PASSED if result.succeeded else EXIT_FAILED

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.cli.terminal import echo
+from wsgen.cli.terminal import echo, echo_next
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
@@ -170,7 +170,7 @@ def _print_next(
         return
     for line in _next_steps(selected, request, end, shows=is_new):
         with contextlib.suppress(OSError):  # the terminal may be gone
-            echo(line, err=True)
+            echo_next(line)
 
 
 def _next_steps(

@@ -18,7 +18,7 @@ from wsgen.cli.options import (
     sim_option,
     workspace_option,
 )
-from wsgen.cli.terminal import echo
+from wsgen.cli.terminal import echo, echo_next
 from wsgen.errors import EXIT_PASSED, RequestError
 
 if TYPE_CHECKING:
@@ -196,7 +196,8 @@ def _print_text(created: CreatedPackage, *, goes_on: bool) -> None:
     for path in (folder, *beside):
         echo(f"Wrote {short_name(path)}")
     if not goes_on:
-        echo(f"Next: {next_command(workspace, 'wsgen build', 'wsgen validate')}")
+        next_step = next_command(workspace, "wsgen build", "wsgen validate")
+        echo_next(f"Next: {next_step}", err=False)
 
 
 def go_on(created: CreatedPackage, *, validate: bool, quiet: bool, verbose: bool) -> int:

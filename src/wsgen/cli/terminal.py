@@ -151,6 +151,45 @@ def fit_lines(lines: Iterable[str]) -> Iterator[str]:
         yield shown
 
 
+def echo_next(line: str, *, err: bool = True) -> None:
+    """Print what to do next: a command, and in parentheses what it does.
+
+    Where the terminal is too narrow, what it does comes below the command, and the command goes on
+    in further lines, which a shell takes as one.
+    """
+    for part in _next_lines(line, _width(err=err)):
+        echo(part, err=err)
+
+
+def _next_lines(line: str, width: int) -> Iterator[str]:
+    if len(line) <= width:
+        yield line
+        return
+    command, blanks, comment = line.partition("  (")
+    indent = " " * (len("Next: ") + len(INDENT))
+    is_command = _COMMAND.match(command) is not None
+    shown, *words = _SHELL_WORD.findall(command)
+    for word in words:
+        if len(shown + word) + len(_GOES_ON) > width and shown.strip():
+            yield shown + (_GOES_ON if is_command else "")
+            shown, word = indent, word.lstrip(" ")  # noqa: PLW2901
+        shown += word
+    yield shown
+    shown = indent
+    for word in f"({comment}".split() if blanks else ():
+        if len(shown + word) > width and shown.strip():
+            yield shown.rstrip()
+            shown = indent
+        shown += f"{word} "
+    if shown.strip():
+        yield shown.rstrip()
+
+
+_COMMAND = re.compile(r"(?:Next:)? *(?:cd|ros2|wsgen) ")
+_SHELL_WORD = re.compile(r" *(?:'[^']*'|\"[^\"]*\"|[^\s'\"])+")
+_GOES_ON = " \\"
+
+
 def draw_tree(tree: Branch, *, quiet: bool = False) -> list[str]:
     """The lines of a tree; with `quiet` indented only, which takes no library."""
     return list(_indented(tree)) if quiet else _lines(_to_rich(tree), indent="")
@@ -209,8 +248,9 @@ def _make_console(*, width: int) -> Console:
     )
 
 
-def _width() -> int:
-    if not _is_terminal():
+def _width(*, err: bool = False) -> int:
+    stream = sys.stderr if err else sys.stdout
+    if stream is None or not stream.isatty():
         return UNLIMITED
     import shutil
 

@@ -31,7 +31,7 @@ from wsgen.cli.report_files import (
     summary_option,
     write_reports,
 )
-from wsgen.cli.terminal import echo
+from wsgen.cli.terminal import echo, echo_next
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, NotFoundError, RequestError
 
 if TYPE_CHECKING:
@@ -246,7 +246,7 @@ def validate_packages(
         write_reports(outcome)
     if outcome.passed and output_format == "text" and not quiet:
         for line in _next_steps(outcome, request, place, answers):
-            echo(line, err=True)
+            echo_next(line)
     return EXIT_PASSED if outcome.passed else EXIT_FAILED
 
 
