@@ -42,6 +42,7 @@ def test_a_typing_mistake_is_distinguished_from_another_name() -> None:
     assert suggestions.misspelled_as("xarco", known) == "xacro"
     assert suggestions.misspelled_as("ros-gz-sim", known) == "ros_gz_sim"
     assert suggestions.misspelled_as("ros_gz_ism", known) == "ros_gz_sim"
+    assert suggestions.misspelled_as("rclcp", ["rclc", "rclcpp", "rclpy"]) == "rclcpp"
     assert suggestions.misspelled_as("my_tst", ["my_test"]) == "my_test"
     assert suggestions.misspelled_as("my_arm", ["my_arms"]) is None
     assert suggestions.misspelled_as("smart_can_msgs", known) is None

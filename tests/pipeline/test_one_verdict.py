@@ -48,6 +48,8 @@ SLIPS = {  # name of the package -> file, what is right there, what is wrong, th
     "not_installed": ("CMakeLists.txt", "urdf", "", "BLD054"),
     "manifest": ("package.xml", "<version>", "<version>v", "PKG005"),
 }
+# Declared and used, but not released for the target.
+OF_IGNITION = ("of_ignition", "PKG070")
 
 
 def errors(found: Iterable[Diagnostic]) -> set[tuple[str, int | None]]:
@@ -63,6 +65,11 @@ def test_each_error_of_check_is_one_of_validate(tmp_path: Path) -> None:
     for name, (file, right, wrong, _) in SLIPS.items():
         assert right in good[file]
         write(folder, name, {**good, file: good[file].replace(right, wrong)})
+    of_ignition = {
+        file: text.replace("ros_gz_sim", "ros_ign_gazebo").replace("gz_sim.l", "ign_gazebo.l")
+        for file, text in good.items()
+    }
+    write(folder, "of_ignition", of_ignition)
 
     checked = check_all(folder, "jazzy")
     outcome = validate(
@@ -79,5 +86,8 @@ def test_each_error_of_check_is_one_of_validate(tmp_path: Path) -> None:
     assert not missing
     assert errors(checked.get("good", ())) == set()
     assert {code for code, _ in validated["good"]} <= {"SPN058"}  # 0.02 s is too short to settle
-    for name, (*_, code) in SLIPS.items():
+    for name, code in (*((name, slip[-1]) for name, slip in SLIPS.items()), OF_IGNITION):
         assert code in {one for one, _ in validated[name]}, name
+    found = next(one for one in outcome.packages if one.package == OF_IGNITION[0]).diagnostics
+    assert not any("ign_args" in (one.hint or "") for one in found)
+    assert not any("<exec_depend>ros_ign_gazebo" in (one.hint or "") for one in found)

@@ -12,7 +12,6 @@ from wsgen.checks.rules.target import target_of
 from wsgen.descriptions.xacro.source import without_call
 from wsgen.diagnostics import has_errors
 from wsgen.isolation.parent import make_part
-from wsgen.launching.evaluate import DISTRO_OF_LAUNCHES
 from wsgen.packages.workspace.layout import LAUNCH_FILES, find_launch_files
 from wsgen.packages.workspace.robot_files import find_descriptions
 from wsgen.packages.workspace.settings import read_settings
@@ -49,7 +48,7 @@ from wsgen.pipeline.known_worlds import KnownWorlds
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.prepare import PrepareContext
 from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
-from wsgen.pipeline.started import Started, start
+from wsgen.pipeline.started import Started, as_sourced, start
 from wsgen.text.files import real_path
 from wsgen.text.markup import without_comments
 from wsgen.text.values import lazy_pattern
@@ -58,7 +57,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from wsgen.checks.rules.target import Target
     from wsgen.diagnostics import Diagnostic
     from wsgen.events import Listener
     from wsgen.isolation.parent import Run
@@ -120,7 +118,7 @@ class PackageCheck:
             workspace=installed.sources.keys(),
         )
         self.distro = target.distro
-        self.overlay = _as_sourced(installed.overlay, target)
+        self.overlay = as_sourced(installed.overlay, target)
         self.robots: list[DescribedRobot] = []
         self.simulators: list[str] = []
         self.may_publish = may_publish_joint_states(installed.sources.values())
@@ -349,14 +347,6 @@ class PackageCheck:
                 validation.text,
             )
             self._note(prepared, dict.fromkeys((one.entity for one in prepared), file), None)
-
-
-def _as_sourced(overlay: Overlay, target: Target) -> Overlay:
-    """The overlay as with a ROS of the target sourced, where none is."""
-    if overlay.environment.get("ROS_DISTRO") or DISTRO_OF_LAUNCHES in target.distros:
-        return overlay
-    environment = {**overlay.environment, "ROS_DISTRO": target.distros[0]}
-    return replace(overlay, environment=environment)
 
 
 class FileCheck:

@@ -78,8 +78,14 @@ def check_package_manifest(
         name: one.manifest for name, one in packages.items() if one.manifest is not None
     } | {package.name: manifest}
     yield from check_circles(manifest, manifests)
-    yield from check_dependencies(manifest, workspace=manifests.keys(), distro=distro)
     plans = tuple(plans)
+    looked_up = [use for plan in plans for use in _looked_up(plan, folder)]
+    yield from check_dependencies(
+        manifest,
+        workspace=manifests.keys(),
+        distro=distro,
+        launched={use.package for use in looked_up},
+    )
     misplaced = {
         (real_path(one.file), one.package)
         for plan in plans
@@ -90,7 +96,7 @@ def check_package_manifest(
         use
         for use in (
             *_in_order(folder, manifests, build),
-            *(use for plan in plans for use in _looked_up(plan, folder)),
+            *looked_up,
         )
         if (real_path(use.file), use.package) not in misplaced  # to be replaced
     )

@@ -12,6 +12,7 @@ from wsgen.checks.rules.install_consequences import OF_FOLDERS
 from wsgen.checks.rules.joint_states import NO_JOINT_STATES
 from wsgen.checks.rules.target import target_of
 from wsgen.diagnostics import Severity
+from wsgen.launching.undeclared import UNDECLARED_PACKAGE
 from wsgen.packages.build_files.facts import read_build_facts
 from wsgen.pipeline.check_controllers import check_controlled
 from wsgen.pipeline.check_launched import (
@@ -23,6 +24,7 @@ from wsgen.pipeline.check_launched import (
     may_publish_joint_states,
 )
 from wsgen.pipeline.check_sources import check_sources
+from wsgen.pipeline.sources import source_of
 from wsgen.text.files import real_path
 
 if TYPE_CHECKING:
@@ -30,11 +32,23 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
+    from wsgen.model.plan import LaunchPlan
     from wsgen.model.world import World
     from wsgen.packages.workspace.layout import PackageFolder
     from wsgen.pipeline.package_validation import Validation
     from wsgen.pipeline.prepare import PreparedRobot
     from wsgen.pipeline.started import Started
+
+
+def without_undeclared(validation: Validation) -> list[Diagnostic]:
+    """What a validation has reported without what package.xml does not declare.
+
+    `errors_of_check` reports that once for all files of the package, knowing what it is for.
+    """
+    names = {one.name for one in validation.overlay.written}
+    if validation.selected.problem is not None or validation.package not in names:
+        return validation.diagnostics
+    return [one for one in validation.diagnostics if one.code != UNDECLARED_PACKAGE.code]
 
 
 def errors_of_check(
@@ -67,7 +81,7 @@ def errors_of_check(
 
 
 # Warnings without which what is validated seems to work.
-_REPORTED_TOO = frozenset({NO_JOINT_STATES.code})
+_REPORTED_TOO = frozenset({NO_JOINT_STATES.code, UNDECLARED_PACKAGE.code})
 
 
 def _of_launched(
@@ -121,7 +135,7 @@ def _used_files(validation: Validation, world: World | None) -> list[Path]:
 def _of_packages(
     validation: Validation, packages: Mapping[str, PackageFolder], used: Sequence[Path]
 ) -> Iterator[Diagnostic]:
-    plan = validation.started.plan if validation.started else None
+    plan = _with_sources(validation)
     names = [validation.package] if validation.selected.is_first else []
     if plan is not None:
         names += [one.package for one in plan.processes if one.package]
@@ -139,6 +153,16 @@ def _of_packages(
             packages=packages,
             distro=_distro_of(package, validation, packages),
         )
+
+
+def _with_sources(validation: Validation) -> LaunchPlan | None:
+    """The plan, with the sources of the launch files that look packages up."""
+    started, selected = validation.started, validation.selected
+    if started is None or selected.share is None or selected.source is None:
+        return started and started.plan
+    sources = {selected.share: selected.source}
+    lookups = (replace(one, file=source_of(one.file, sources)) for one in started.plan.lookups)
+    return replace(started.plan, lookups=tuple(lookups))
 
 
 def _with_needed_folders(

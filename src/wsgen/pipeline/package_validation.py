@@ -54,7 +54,7 @@ from wsgen.pipeline.requests import SelectedLaunchFile
 from wsgen.pipeline.search_path import check_search_path
 from wsgen.pipeline.simulation_result import SimulationResult
 from wsgen.pipeline.sources import name_sources
-from wsgen.pipeline.started import start
+from wsgen.pipeline.started import overlay_for, start
 from wsgen.pipeline.world_systems import check_systems, find_started_world
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ class Validation:
         self.worlds = worlds
         self.selected = selected
         self.package = selected.name
-        self.overlay = overlay
+        self.overlay = overlay_for(selected.name, overlay)
         self.request = request
         self.run_task = run
         self.label = selected.label or selected.name
@@ -139,8 +139,12 @@ class Validation:
         ):
             self.diagnostics = why_nothing_is_simulated(started.plan, self.diagnostics)
         # Other commands read packages, too, and need nothing of what checks them.
-        from wsgen.pipeline.check_validated import errors_of_check  # noqa: PLC0415
+        from wsgen.pipeline.check_validated import (  # noqa: PLC0415
+            errors_of_check,
+            without_undeclared,
+        )
 
+        self.diagnostics = without_undeclared(self)
         self.diagnostics += errors_of_check(self, world, scene)
         return PackageOutcome(
             package=self.package,

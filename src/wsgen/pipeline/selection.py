@@ -34,7 +34,7 @@ from wsgen.pipeline.launch_file_lookup import (
     no_such_launch_file,
 )
 from wsgen.pipeline.requests import SelectedPackage
-from wsgen.pipeline.started import start
+from wsgen.pipeline.started import overlay_for, start
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -114,7 +114,8 @@ def select_packages(
     ) -> Started:
         package = packages[launch_file.package]
         given = replace(request, launch_arguments={**arguments, **request.launch_arguments})
-        return start(launch_file.file, package.name if package.share else None, overlay, given, run)
+        name = package.name if package.share else None
+        return start(launch_file.file, name, overlay_for(package.name, overlay), given, run)
 
     evaluated = evaluate_launch_files(
         [

@@ -26,9 +26,13 @@ def name_sources(
     """
     for found in diagnostics:
         file = found.file
-        origins = (_origin_of(file, *one) for one in sources.items()) if file is not None else ()
-        origin = next((one for one in origins if one is not None), None)
-        yield found if origin is None else replace(found, file=origin)
+        yield found if file is None else replace(found, file=source_of(file, sources))
+
+
+def source_of(file: Path, sources: Mapping[Path, Path]) -> Path:
+    """The source of an installed file, or the file itself; see `name_sources`."""
+    origins = (_origin_of(file, *one) for one in sources.items())
+    return next((one for one in origins if one is not None), file)
 
 
 def _origin(file: Path, share: Path, source: Path) -> Path | None:

@@ -6,6 +6,7 @@ import time
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.checks.rules.target import target_of
 from wsgen.diagnostics import Rule, Severity, has_errors
 from wsgen.launching.descriptions import (
     UNPUBLISHED_DESCRIPTION,
@@ -13,15 +14,17 @@ from wsgen.launching.descriptions import (
     published_descriptions,
     read_published,
 )
-from wsgen.launching.evaluate import evaluate
+from wsgen.launching.evaluate import DISTRO_OF_LAUNCHES, evaluate
 from wsgen.launching.explain_missing import PACKAGE_NOT_FOUND
 from wsgen.launching.simulators import find_simulator
+from wsgen.packages.workspace.settings import read_settings
 from wsgen.pipeline.gazebo_models import find_robots
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from pathlib import Path
 
+    from wsgen.checks.rules.target import Target
     from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.parent import Run
     from wsgen.model.plan import LaunchPlan, Process
@@ -63,6 +66,25 @@ DESCRIPTION_FROM_ELSEWHERE = Rule(
     example="ros2 launch my_robot spawn.launch.py",
     instead="ros2 launch my_robot rsp.launch.py  # first, in another terminal",
 )
+
+
+def as_sourced(overlay: Overlay, target: Target) -> Overlay:
+    """The overlay as with a ROS of the target sourced, where none is."""
+    if overlay.environment.get("ROS_DISTRO") or DISTRO_OF_LAUNCHES in target.distros:
+        return overlay
+    environment = {**overlay.environment, "ROS_DISTRO": target.distros[0]}
+    return replace(overlay, environment=environment)
+
+
+def overlay_for(package: str, overlay: Overlay) -> Overlay:
+    """The overlay as with a ROS sourced that a package is for, where none is."""
+    packages = {one.name: one for one in overlay.written}
+    written = packages.get(package)
+    if written is None or overlay.environment.get("ROS_DISTRO"):
+        return overlay
+    settings, _ = read_settings(written.path)
+    target = target_of(written.manifest, recorded=settings.distro, workspace=packages.keys())
+    return as_sourced(overlay, target)
 
 
 def start(

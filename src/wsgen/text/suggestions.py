@@ -36,7 +36,10 @@ def misspelled_as(name: str, known: Iterable[str]) -> str | None:
         and other != name
         and _is_misspelled(name, other)
     }
-    return min(near, key=lambda other: (mistakes_between(name, other), other), default=None)
+    # A letter that is left out, as in `rclcp`, is more frequent than one too many.
+    return min(
+        near, key=lambda other: (mistakes_between(name, other), -len(other), other), default=None
+    )
 
 
 LONG_ENOUGH = 4  # letters of a word that a typing mistake leaves recognizable

@@ -17,6 +17,7 @@ from wsgen.checks.rules.bodies import (
     UNLIKE_SHAPES,
     WHEEL_WITHOUT_COLLISION,
 )
+from wsgen.checks.rules.dependencies import UNRELEASED_DEPENDENCY
 from wsgen.checks.rules.drives import DRIVE_UNLIKE_WHEELS, WHEEL_ROLLS_SIDEWAYS
 from wsgen.checks.rules.plugins import (
     PLUGIN_OF_OTHER_SIMULATOR,
@@ -250,7 +251,12 @@ def without_explained(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]
         or (one.code == UNUSED_INCLUDE_ARGUMENT.code and suggested(one.hint) in _ARGUMENTS_OF_WORLD)
     }
     lacking = {one.file for one in found if one.code == MISSING_SENSOR_SYSTEM.code}
+    # Of `ros_ign_gazebo`, which later distributions do not have, nor this name of the argument.
+    is_of_ignition = any(one.code == UNRELEASED_DEPENDENCY.code for one in found)
     for one in found:
+        is_argument = one.code == UNUSED_INCLUDE_ARGUMENT.code
+        if is_of_ignition and is_argument and suggested(one.hint) == "ign_args":
+            continue
         is_option = one.code == INVALID_SPAWNER_OPTION.code
         is_of_world = one.code == MISSING_SENSOR_SYSTEM.code
         if one.code == UNUSED_INCLUDE_ARGUMENT.code and one.file in lacking & without_world:

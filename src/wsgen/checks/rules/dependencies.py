@@ -59,7 +59,7 @@ UNRELEASED_DEPENDENCY = Rule(
     name="unreleased-dependency",
     severity=Severity.WARNING,
     severity_varies="an error for packages of Gazebo Classic, which later distributions lack, and "
-    "in launch files",
+    "for what launch files use",
     summary="A dependency is not released for the ROS distribution that the package is for.",
     what="Takes the distribution from `--distro`, `wsgen.toml` or `ROS_DISTRO`. Skips packages "
     "that are in the workspace.",
@@ -210,7 +210,11 @@ SHORTEST = 5  # characters of a name in which a typing mistake can be recognized
 
 
 def check_dependencies(
-    manifest: Manifest, *, workspace: Collection[str], distro: str | None
+    manifest: Manifest,
+    *,
+    workspace: Collection[str],
+    distro: str | None,
+    launched: Collection[str] = (),
 ) -> Iterator[Diagnostic]:
     """Check each dependency that counts in ROS 2.
 
@@ -218,6 +222,7 @@ def check_dependencies(
         manifest: of a package that is not of ROS 1.
         workspace: the names of all packages of the workspace.
         distro: the distribution that the package is for; None where it is not known.
+        launched: the packages that its launch files look up when they are evaluated.
     """
     counting = [
         one
@@ -231,7 +236,7 @@ def check_dependencies(
             reported.add(one.name)
             yield _unknown(manifest, one, workspace)
     if distro is not None and distro in all_distros():
-        yield from _unreleased(manifest, counting, distro)
+        yield from _unreleased(manifest, counting, distro, launched)
     else:
         yield from _conflicting(manifest, counting)
     yield from duplicate_dependencies(manifest)
@@ -343,7 +348,7 @@ def _meant(name: str, workspace: Iterable[str]) -> str | None:
 
 
 def _unreleased(
-    manifest: Manifest, counting: Iterable[Dependency], distro: str
+    manifest: Manifest, counting: Iterable[Dependency], distro: str, launched: Collection[str]
 ) -> Iterator[Diagnostic]:
     released = released_packages()
     reported: set[str] = set()
@@ -364,7 +369,8 @@ def _unreleased(
             if fits
             else f"Clone {one.name} into the workspace, or replace it.",
             severity=Severity.ERROR
-            if one.name in PACKAGES_OF_CLASSIC and one.tag not in TEST_TAGS
+            if one.name in (PACKAGES_OF_CLASSIC if one.tag not in TEST_TAGS else ())
+            or (fits and one.name in launched)
             else None,
         )
 
