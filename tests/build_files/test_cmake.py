@@ -235,3 +235,135 @@ def test_hooks(tmp_path: Path) -> None:
         ("GZ_SIM_RESOURCE_PATH", "share/bot/models"),
         ("GAZEBO_MODEL_PATH", "share/bot"),
     )
+
+
+@pytest.mark.parametrize(
+    ("text", "destinations"),
+    [
+        # cmake-install(1), "TYPE": the documentation has a folder of the project's own.
+        ("install(FILES urdf/b.urdf TYPE DOC)", ["share/doc/bot/b.urdf"]),
+        ("install(FILES urdf/b.urdf TYPE MAN)", ["share/man/b.urdf"]),
+        ("set(CMAKE_INSTALL_DOCDIR d)\ninstall(FILES urdf/b.urdf TYPE DOC)", ["d/b.urdf"]),
+        (
+            (
+                "add_library(l STATIC l.cpp)\ninstall(TARGETS l ARCHIVE DESTINATION lib/a\n"
+                "LIBRARY DESTINATION lib/b)"
+            ),
+            ["lib/a/libl.a"],
+        ),
+        (
+            (
+                "add_library(l SHARED l.cpp)\ninstall(TARGETS l ARCHIVE DESTINATION lib/a\n"
+                "LIBRARY DESTINATION lib/b)"
+            ),
+            ["lib/b/libl.so"],
+        ),
+        # The first slash is one of the path that stays, not of a folder from the root.
+        (
+            "pluginlib_export_plugin_description_file(rviz_common urdf/b.urdf)",
+            ["share/bot/urdf/b.urdf"],
+        ),
+        (
+            "rosidl_generate_interfaces(bot msg/A.msg srv/B.srv action/C.action)",
+            ["share/bot/action/C.action", "share/bot/msg/A.msg", "share/bot/srv/B.srv"],
+        ),
+        ("ament_auto_add_executable(n n.cpp)\nament_auto_package()", ["lib/bot/n"]),
+        ("ament_auto_add_executable(n n.cpp)\nament_auto_package(INSTALL_TO_PATH)", ["bin/n"]),
+        (
+            "if(BUILD_TESTING)\nament_auto_add_executable(n n.cpp)\nendif()\nament_auto_package()",
+            [],
+        ),
+        (
+            (
+                "set(a share/x)\nset(a share/y CACHE STRING why FORCE)\n"
+                "install(FILES urdf/b.urdf DESTINATION ${a})"
+            ),
+            ["share/y/b.urdf"],
+        ),
+        # The longest extension goes, whereas NAME_WLE takes the last one.
+        (
+            (
+                "get_filename_component(a x/a.b.c NAME_WE)\n"
+                "get_filename_component(b x/a.b.c NAME_WLE)\n"
+                "install(FILES urdf/b.urdf DESTINATION share/${a}/${b})"
+            ),
+            ["share/a/a.b/b.urdf"],
+        ),
+        # What is off by default may be on: both of its branches count.
+        (
+            "option(a b OFF)\nif(a)\ninstall(FILES urdf/b.urdf DESTINATION share/x)\nendif()",
+            ["share/x/b.urdf"],
+        ),
+        (
+            "set(a urdf-NOTFOUND)\nif(a)\ninstall(FILES urdf/b.urdf DESTINATION share/x)\nendif()",
+            [],
+        ),
+        (
+            (
+                "if(3.8 VERSION_LESS 3.8.0)\ninstall(FILES urdf/b.urdf DESTINATION x)\nendif()\n"
+                "if(3.8 VERSION_EQUAL 3.8.0)\ninstall(FILES urdf/b.urdf DESTINATION y)\nendif()"
+            ),
+            ["y/b.urdf"],
+        ),
+    ],
+)
+def test_destinations(tmp_path: Path, text: str, destinations: list[str]) -> None:
+    files = ("msg/A.msg", "srv/B.srv", "action/C.action")
+    found = {one.destination for one in read(tmp_path, text, files).installed}
+    of_all = {"share/bot/package.xml", "share/ament_index/resource_index/packages/bot"}
+    assert sorted(found - of_all) == destinations
+
+
+@pytest.mark.parametrize(
+    ("call", "programs"),
+    [
+        ("install(PROGRAMS a.py DESTINATION lib/bot)", ["a.py"]),
+        ("install(FILES a.py DESTINATION lib/bot)", []),
+        ("install(PROGRAMS a.py DESTINATION lib/bot PERMISSIONS OWNER_READ)", []),
+        ("install(FILES a.py DESTINATION lib/bot PERMISSIONS OWNER_READ OWNER_EXECUTE)", ["a.py"]),
+        ("add_executable(n n.cpp)\ninstall(TARGETS n DESTINATION lib/bot)", ["n"]),
+        ("add_library(n SHARED n.cpp)\ninstall(TARGETS n DESTINATION lib/bot)", []),
+    ],
+)
+def test_what_can_be_run(tmp_path: Path, call: str, programs: list[str]) -> None:
+    assert [one.name for one in read(tmp_path, call, ["a.py"]).executables] == programs
+
+
+@pytest.mark.parametrize("word", ["OPTIONAL", "CONFIGURATIONS Debug"])
+def test_a_path_that_need_not_exist(tmp_path: Path, word: str) -> None:
+    text = f"{START}install(FILES none.txt DESTINATION share/bot {word})\nament_package()\n"
+    (tmp_path / "CMakeLists.txt").write_text(text)
+    assert read_build_facts(tmp_path, "bot", "ament_cmake")[1] == ()
+    (tmp_path / "CMakeLists.txt").write_text(text.replace(word, ""))
+    (found,) = read_build_facts(tmp_path, "bot", "ament_cmake")[1]
+    assert found.element == "bot"
+    assert "none.txt" in found.message
+
+
+def test_a_target_that_is_not_known_is_installed_elsewhere_without_a_word(tmp_path: Path) -> None:
+    """A command of another package may have made it, of a kind that has another place."""
+    text = f"{START}{{}}install(TARGETS n DESTINATION lib)\nament_package()\n"
+    (tmp_path / "CMakeLists.txt").write_text(text.format("add_executable(n n.cpp)\n"))
+    (tmp_path / "n.cpp").touch()
+    assert [one.name for one in read_build_facts(tmp_path, "bot", "ament_cmake")[1]] == [
+        "program-not-installed"
+    ]
+    (tmp_path / "CMakeLists.txt").write_text(text.format(""))
+    assert read_build_facts(tmp_path, "bot", "ament_cmake")[1] == ()
+
+
+def test_what_a_mapping_of_xacro_names_is_no_file(tmp_path: Path) -> None:
+    """All words after REMAP, up to the next keyword, are mappings."""
+    facts = read(tmp_path, "xacro_add_files(a.xacro REMAP x:=y z:=w INSTALL TARGET b)")
+    assert shared(facts) == ["a"]
+
+
+def test_hooks_whose_places_are_not_known(tmp_path: Path) -> None:
+    (tmp_path / "bot.dsv.in").write_text(
+        "prepend-non-duplicate;GZ_SIM_RESOURCE_PATH;@SOMEWHERE@/models\n"
+        "prepend-non-duplicate;GZ_SIM_RESOURCE_PATH;/opt/models\n"
+        "prepend-non-duplicate;GZ_SIM_RESOURCE_PATH;${CMAKE_PREFIX}/models\n"
+        "prepend-non-duplicate;GZ_SIM_RESOURCE_PATH;share/models\n"
+    )
+    facts = read(tmp_path, "ament_environment_hooks(bot.dsv.in)")
+    assert facts.environment == (("GZ_SIM_RESOURCE_PATH", "share/models"),)

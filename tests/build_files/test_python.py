@@ -138,3 +138,35 @@ def test_setup_cfg(tmp_path: Path) -> None:
     assert shared(facts) == ["urdf/b.urdf"]
     assert [(one.name, one.line) for one in facts.executables] == [("go", 14)]
     assert [one.name for one in facts.python_packages] == ["bot"]
+
+
+def test_python_packages_and_their_folders(tmp_path: Path) -> None:
+    """package_dir names the folder of a package, or of the one that it is below."""
+    text = "setup(packages=['bot', 'bot.parts', 'own'], package_dir={'': 'src', 'bot': 'code'})"
+    for folder in ("code/parts", "src/own"):
+        (tmp_path / folder).mkdir(parents=True)
+    found = read(tmp_path, HEAD + text).python_packages
+    assert {one.name: one.source.relative_to(tmp_path).as_posix() for one in found} == {
+        "bot": "code",
+        "bot.parts": "code/parts",
+        "own": "src/own",
+    }
+
+
+def test_packages_that_setuptools_finds(tmp_path: Path) -> None:
+    """Not in folders whose names no module can have, nor in those without __init__.py."""
+    for folder in ("bot/parts", "bot/v1.2", "bot/data", "test"):
+        (tmp_path / folder).mkdir(parents=True)
+        if folder != "bot/data":
+            (tmp_path / folder / "__init__.py").touch()
+    facts = read(tmp_path, HEAD + "setup(packages=find_packages(exclude=['test']))")
+    assert [one.name for one in facts.python_packages] == ["bot", "bot.parts"]
+    reported = read_build_facts(tmp_path, "bot", "ament_python")[1]
+    assert "missing-python-package" not in {one.name for one in reported}
+
+
+def test_scripts_in_one_text(tmp_path: Path) -> None:
+    """Entry points may be written as a file of setuptools has them, in sections."""
+    points = "[other]\nx = bot.node:other\n[console_scripts]\ngo = bot.node:main\n"
+    facts = read(tmp_path, f"{HEAD}setup(entry_points={points!r})")
+    assert [(one.name, one.entry_point) for one in facts.executables] == [("go", "bot.node:main")]

@@ -193,7 +193,7 @@ def _install_targets(reader: Reader, mention: Mention) -> None:
                 file=mention.file,
                 call=mention.call,
                 folder=reader.folder,
-                is_certain=mention.is_certain and target is not None,
+                is_certain=mention.is_certain,
                 in_tests=mention.in_tests,
                 rename=kind,
                 runnable="all",
