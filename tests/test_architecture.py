@@ -18,7 +18,7 @@ FOREIGN = {
     "dartpy": "simulation/dart.py",
     "mujoco": "simulation/mujoco_body.py",
     "mcap": "live/nodes/mcap_recording.py",
-    "distributed": "sweeping/executors/dask_cluster.py",
+    "distributed": "sweeping/dask_cluster.py",
     "av": "rendering/video.py",
     "pyarrow": "sweeping/table.py",
     "matplotlib": "sweeping/plots.py",

@@ -78,7 +78,7 @@ def test_a_page_is_refused_before_anything_is_started(
         port = str(server.getsockname()[1])
         assert run(["launch", str(file), "--run", "--view", "--port", port]) == 2
     assert f"The port {port} of 127.0.0.1 is taken." in capsys.readouterr().err
-    monkeypatch.setattr("wsgen.reporting.viewing.viewer_library.LIBRARY", "no_such_library")
+    monkeypatch.setattr("wsgen.reporting.viewing.LIBRARY", "no_such_library")
     assert run(["launch", str(file), "--run", "--view"]) == 4
     assert "pip install 'wsgen[view]'" in capsys.readouterr().err
 
@@ -373,7 +373,7 @@ def test_what_shows_a_run_is_installed_first(
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("wsgen.live.run.run_launch", run_launch)
-    monkeypatch.setattr("wsgen.reporting.viewing.viewer_library.LIBRARY", "no_such_library")
+    monkeypatch.setattr("wsgen.reporting.viewing.LIBRARY", "no_such_library")
     assert run(["launch", "empty.launch.py", "--run", "--for", "3"]) == 0
     assert capsys.readouterr().err == (
         "Next: wsgen launch empty.launch.py --run --view  (shows the robots in the browser; after: "

@@ -442,7 +442,7 @@ def test_the_browser_is_for_who_can_show_something_there(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(built)
-    monkeypatch.setattr("wsgen.reporting.viewing.viewer_library.LIBRARY", library)
+    monkeypatch.setattr("wsgen.reporting.viewing.LIBRARY", library)
     assert run(["validate"]) == 0
     line = f" wsgen launch {PACKAGE} gazebo_model.launch.py {options}  (starts its nodes"
     assert line in capsys.readouterr().err

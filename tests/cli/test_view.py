@@ -58,7 +58,7 @@ def test_a_taken_port_is_refused(
 def test_without_viser_the_extra_is_named(
     crane: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("wsgen.reporting.viewing.viewer_library.LIBRARY", "no_such_library")
+    monkeypatch.setattr("wsgen.reporting.viewing.LIBRARY", "no_such_library")
     code, text = refused(capsys, "view", str(crane))
     assert code == 4
     assert "pip install 'wsgen[view]'" in text

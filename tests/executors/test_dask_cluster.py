@@ -14,22 +14,21 @@ from executors import calls
 from executors.processes import have_ended, is_alive, wait_for
 from sweeping.blueprints import blueprint, variant
 from wsgen.errors import NotFoundError, RequestError
-from wsgen.sweeping.executors.child import ChildDiedError, LocalExecutor
-from wsgen.sweeping.executors.shared import share
+from wsgen.sweeping.children import ChildDiedError, LocalExecutor, share
 from wsgen.sweeping.runner import run_all
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.model.sweep import Row
-    from wsgen.sweeping.executors.dask_cluster import DaskExecutor
+    from wsgen.sweeping.dask_cluster import DaskExecutor
     from wsgen.sweeping.runner import RunExecutor
 
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(sys.platform != "linux", reason="reads /proc"),
 ]
-dask_cluster = pytest.importorskip("wsgen.sweeping.executors.dask_cluster")
+dask_cluster = pytest.importorskip("wsgen.sweeping.dask_cluster")
 SECONDS = 600.0  # wall-clock: on a busy machine a worker takes long to come again
 
 

@@ -15,8 +15,7 @@ import pytest
 from executors import calls
 from executors.processes import have_ended, wait_for
 from wsgen.isolation.result import Limits
-from wsgen.sweeping.executors.child import MOST_KEPT, ChildDiedError, LocalExecutor
-from wsgen.sweeping.executors.shared import share
+from wsgen.sweeping.children import MOST_KEPT, ChildDiedError, LocalExecutor, share
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -124,7 +123,7 @@ def test_no_child_outlives_its_parent(number: int, tmp_path: Path) -> None:
     marker = tmp_path / "numbers"
     script = (
         "from executors import calls\n"
-        "from wsgen.sweeping.executors.child import LocalExecutor\n"
+        "from wsgen.sweeping.children import LocalExecutor\n"
         "with LocalExecutor(1) as executor:\n"
         f"    executor.submit(calls.start_and_wait, {str(marker)!r}).result()\n"
     )

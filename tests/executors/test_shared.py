@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from simulation.robots import body, single
 from sweeping.blueprints import blueprint, prepared
 from wsgen.model.robot import Collision, Mesh
-from wsgen.sweeping.executors import shared
-from wsgen.sweeping.executors.shared import CopiedFiles, named_as_before, relocated, share
+from wsgen.sweeping import children
+from wsgen.sweeping.children import CopiedFiles, named_as_before, relocated, share
 
 if TYPE_CHECKING:
     import pytest
@@ -68,7 +68,7 @@ def test_copies_have_their_names_and_their_neighbors(tmp_path: Path) -> None:
 def test_old_copies_are_removed_unless_they_are_in_use(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(shared, "MOST_FOLDERS", 2)
+    monkeypatch.setattr(children, "MOST_FOLDERS", 2)
     copies = CopiedFiles(tmp_path)
     with copies.lent("used", {"/a": ("used", b"u")}) as used:
         for key in "123":

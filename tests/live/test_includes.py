@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from wsgen.errors import RequestError
-from wsgen.live.includes import entities_of
+from wsgen.live.resolve import entities_of
 from wsgen.model.plan import Include
 
 

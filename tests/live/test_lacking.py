@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.live.missing_modules import lacking_modules, syntax_error
+from wsgen.live.python_failures import lacking_modules, syntax_error
 from wsgen.ros.environment.processes import SHIM
 
 if TYPE_CHECKING:

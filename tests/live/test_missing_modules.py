@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.live.missing_modules import (
+from wsgen.live.python_failures import (
     explain_module,
     explain_numpy,
     missing_module,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from wsgen.live.journal import FailedProgram, read_failures
-from wsgen.live.tracebacks import CHAINED, MOST_SECONDS_AFTER, LastTraceback, explain_source
+from wsgen.live.python_failures import CHAINED, MOST_SECONDS_AFTER, LastTraceback, explain_source
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -83,7 +83,7 @@ def test_frames_are_those_of_what_has_ended_the_program(
 
 def test_a_program_that_runs_on_has_handled_its_exception(monkeypatch: pytest.MonkeyPatch) -> None:
     now = 100.0
-    monkeypatch.setattr("wsgen.live.tracebacks.time.monotonic", lambda: now)
+    monkeypatch.setattr("wsgen.live.python_failures.time.monotonic", lambda: now)
     frames = LastTraceback()
     frames.take(CAUSE)
     now += MOST_SECONDS_AFTER

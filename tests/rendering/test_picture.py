@@ -27,9 +27,8 @@ from wsgen.descriptions.meshes.content import Material
 from wsgen.descriptions.meshes.worker import read_mesh
 from wsgen.model.robot import GAZEBO_COLORS, Box, Collision, Cylinder, Link, Mesh, Sphere, Visual
 from wsgen.model.transform import Pose
-from wsgen.rendering.backdrop import Backdrop, tile_for
 from wsgen.rendering.camera import Size, extent, eye_camera
-from wsgen.rendering.picture import write_caption
+from wsgen.rendering.picture import Backdrop, tile_for, write_caption
 from wsgen.rendering.scene_renderer import SUN, sun_of
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import pytest
 from wsgen.isolation.result import Limits
 from wsgen.model.sweep import Variant
 from wsgen.sweeping import runner
-from wsgen.sweeping.executors.child import LocalExecutor
+from wsgen.sweeping.children import LocalExecutor
 from wsgen.sweeping.runner import Order, run_all
 from wsgen.sweeping.subject import SubjectRequest
 from wsgen.sweeping.subjects import open_subject

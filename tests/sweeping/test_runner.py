@@ -18,7 +18,7 @@ from wsgen.model.robot import JointType
 from wsgen.model.sweep import Row
 from wsgen.model.transform import Pose
 from wsgen.simulation.run import missing_engines
-from wsgen.sweeping.executors.child import ChildDiedError, LocalExecutor
+from wsgen.sweeping.children import ChildDiedError, LocalExecutor
 from wsgen.sweeping.runner import run_all
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.model.sweep import Variant
-    from wsgen.sweeping.executors.shared import Shared
+    from wsgen.sweeping.children import Shared
     from wsgen.sweeping.run_variant import Blueprint
 
 

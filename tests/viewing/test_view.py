@@ -164,7 +164,7 @@ def test_an_address_of_another_machine_is_refused(host: str) -> None:
 
 
 def test_without_the_library_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wsgen.reporting.viewing.viewer_library.LIBRARY", "no_such_library")
+    monkeypatch.setattr("wsgen.reporting.viewing.LIBRARY", "no_such_library")
     with pytest.raises(NotFoundError) as caught:
         check_viewer()
     assert caught.value.hint == "Install it: pip install 'wsgen[view]'"

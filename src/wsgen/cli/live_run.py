@@ -189,7 +189,7 @@ def _next_steps(
     import shlex
 
     from wsgen.cli.words import engine_words, short_name, workspace_words
-    from wsgen.reporting.viewing.viewer_library import INSTALL, is_viewer_installed
+    from wsgen.reporting.viewing import INSTALL, is_viewer_installed
 
     label = "Next:"
     workspace = workspace_words(selected.workspace)

@@ -193,8 +193,12 @@ def _warnings(
     """What will end a program at once: nobody could say so afterwards."""
     from pathlib import Path
 
-    from wsgen.live.missing_modules import explain_module, lacking_modules, syntax_error
-    from wsgen.live.tracebacks import explain_source
+    from wsgen.live.python_failures import (
+        explain_module,
+        explain_source,
+        lacking_modules,
+        syntax_error,
+    )
 
     for module in lacking_modules(words, variables):
         yield explain_module(module, Path(words[0]), packages)

@@ -263,7 +263,7 @@ def _next_steps(
     from wsgen.cli.words import engine_words, workspace_words
     from wsgen.isolation.system import has_guards
     from wsgen.packages.workspace.overlay import SOURCE_USED
-    from wsgen.reporting.viewing.viewer_library import is_viewer_installed
+    from wsgen.reporting.viewing import is_viewer_installed
     from wsgen.ros.environment.environment import why_no_ros
     from wsgen.ros.environment.wheels import EXTRA
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.errors import RequestError, SessionDiedError
 from wsgen.live.prepare import RunRequest
+from wsgen.live.python_failures import LastTraceback, find_source
 from wsgen.live.session import BrokenLaunchError, open_live
-from wsgen.live.tracebacks import LastTraceback, find_source
 from wsgen.model.behavior import LiveMeasurement, TimeSeries
 from wsgen.model.transform import rotation_of_quaternion
 from wsgen.packages.workspace.layout import find_packages

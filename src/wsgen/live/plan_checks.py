@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Rule, Severity
 from wsgen.errors import NotFoundError, RequestError
 from wsgen.launching import commands
-from wsgen.live.missing_modules import way_to_module
+from wsgen.live.python_failures import way_to_module
 from wsgen.live.replacements import PLUGINS, LeftOut, find_component, find_replacement
 from wsgen.model.plan import ABSENT_MODULE, OF_ABSENT_MODULE, STARTS_UNKNOWN
 from wsgen.text.files import read_regular_text
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from wsgen.model.plan import LaunchPlan, Process
 
 
-# What launch files of Gazebo start, that are not installed (`wsgen.live.includes`).
+# What launch files of Gazebo start, that are not installed (`wsgen.live.resolve`).
 _OF_INCLUDES = ("gazebo", "gzserver", "gzclient", "gz", "create", "bridge_node")
 
 

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.errors import RequestError
 from wsgen.live.journal import OTHER
-from wsgen.live.missing_modules import missing_module, missing_name, newer_numpy
-from wsgen.live.tracebacks import LastTraceback
+from wsgen.live.python_failures import LastTraceback, missing_module, missing_name, newer_numpy
 
 if TYPE_CHECKING:
     import subprocess
@@ -22,8 +21,8 @@ if TYPE_CHECKING:
     from wsgen.launching.live import Start
     from wsgen.live.forked_nodes import ForkedNode
     from wsgen.live.journal import JournalWriter
+    from wsgen.live.python_failures import Frame
     from wsgen.live.screen import LogFiles, Screen
-    from wsgen.live.tracebacks import Frame
 
     # Starts it in a session of its own, with its environment, its output and its errors.
     Begin = Callable[[Mapping[str, str], Sequence[int]], subprocess.Popen[bytes] | ForkedNode]

@@ -21,7 +21,6 @@ from typing import TYPE_CHECKING, Any
 
 from wsgen.launching.record import CommandOutcome
 from wsgen.live.asked_nodes import AskedNodes, LaunchNode, managed_by
-from wsgen.live.includes import entities_of
 from wsgen.live.journal import JournalWriter
 from wsgen.live.process import (
     PRINTED_A_SECOND,
@@ -32,7 +31,7 @@ from wsgen.live.process import (
 )
 from wsgen.live.replacements import LeftOut, find_component
 from wsgen.live.request import INTERRUPT, TERMINATE
-from wsgen.live.resolve import Resolved, Resolver, is_node
+from wsgen.live.resolve import Resolved, Resolver, entities_of, is_node
 from wsgen.live.screen import (
     LOG_FOLDER,
     LogFiles,

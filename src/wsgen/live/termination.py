@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 from wsgen.errors import EXIT_FAILED, EXIT_MISSING, EXIT_PASSED, EXIT_SIGNALLED
 from wsgen.live.journal import OTHER, FailedProgram, Failures
-from wsgen.live.missing_modules import explain_module, explain_numpy
 from wsgen.live.plan_checks import what_is_started
 from wsgen.live.process import ENDING
+from wsgen.live.python_failures import explain_module, explain_numpy, find_source
 from wsgen.live.timeline import ScheduledCall
-from wsgen.live.tracebacks import find_source
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -22,8 +21,8 @@ if TYPE_CHECKING:
     from wsgen.launching.live import Start
     from wsgen.live.journal import JournalWriter
     from wsgen.live.process import Causes, RunningProcess
+    from wsgen.live.python_failures import Frame, SourceLine
     from wsgen.live.request import ServiceRequest
-    from wsgen.live.tracebacks import Frame, SourceLine
 
 
 class Termination:

@@ -13,9 +13,15 @@ import numpy as np
 
 from wsgen.model.outcome import SceneView
 from wsgen.model.world import SUN_DIRECTION
-from wsgen.rendering.backdrop import Backdrop, tile_for
 from wsgen.rendering.camera import FROM, Size, TurnedCamera, extent, eye_camera, slope_of, sun_view
-from wsgen.rendering.picture import draw_arrow, image_of, write_caption, write_png
+from wsgen.rendering.picture import (
+    Backdrop,
+    draw_arrow,
+    image_of,
+    tile_for,
+    write_caption,
+    write_png,
+)
 from wsgen.rendering.render_items import list_render_items, subjects
 from wsgen.rendering.renderer import Light, Renderer, Shadow
 from wsgen.rendering.scene_view import as_webp, view_of

@@ -17,8 +17,7 @@ from wsgen.isolation.codec import decode
 from wsgen.isolation.result import Limits
 from wsgen.model.robot import Mesh
 from wsgen.model.sweep import Row
-from wsgen.sweeping.executors.child import ChildDiedError
-from wsgen.sweeping.executors.shared import Shared, share
+from wsgen.sweeping.children import ChildDiedError, Shared, share
 from wsgen.sweeping.run_variant import (
     can_run,
     row_of_death,
@@ -57,7 +56,7 @@ SECONDS_A_SECOND = 20.0  # more for each that is simulated
 
 
 class RunExecutor(Protocol):
-    """What `run_all` needs of an executor; see `wsgen.sweeping.executors`."""
+    """What `run_all` needs of an executor; see `children` and `dask_cluster`."""
 
     @property
     def window(self) -> int:

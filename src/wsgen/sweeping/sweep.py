@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 
     from wsgen.events import Listener
     from wsgen.model.sweep import Design, Row, Value, Variant
-    from wsgen.sweeping.executors.child import LocalExecutor
-    from wsgen.sweeping.executors.dask_cluster import DaskExecutor
+    from wsgen.sweeping.children import LocalExecutor
+    from wsgen.sweeping.dask_cluster import DaskExecutor
     from wsgen.sweeping.run_variant import Blueprint
     from wsgen.sweeping.runner import RunExecutor
     from wsgen.sweeping.subject import Subject, SubjectRequest
@@ -380,7 +380,7 @@ def _run(  # noqa: PLR0913  what is run, where, and who hears of it
 def _executor(request: SweepRequest) -> LocalExecutor | DaskExecutor:
     """Where the runs are computed."""
     if request.scheduler is None:
-        from wsgen.sweeping.executors.child import LocalExecutor  # noqa: PLC0415  as below
+        from wsgen.sweeping.children import LocalExecutor  # noqa: PLC0415  as below
 
         return LocalExecutor(request.jobs)
     if find_spec("distributed") is None:
@@ -388,6 +388,6 @@ def _executor(request: SweepRequest) -> LocalExecutor | DaskExecutor:
             "Dask's `distributed`, which --scheduler needs, is not installed.",
             hint="Install it: pip install 'wsgen[sweep]'; or leave out --scheduler.",
         )
-    from wsgen.sweeping.executors import dask_cluster  # noqa: PLC0415  an extra, which takes a second
+    from wsgen.sweeping import dask_cluster  # noqa: PLC0415  an extra that takes a second
 
     return dask_cluster.connect(request.scheduler, jobs=request.jobs)

@@ -37,7 +37,7 @@ def test_it_drives_and_publishes_after_the_time_began_again() -> None:
     from wsgen.live.nodes.simulator.ros2_control.controllers.base import (  # noqa: PLC0415
         Surroundings,
     )
-    from wsgen.live.nodes.simulator.ros2_control.controllers.diff_drive import (  # noqa: PLC0415
+    from wsgen.live.nodes.simulator.ros2_control.controllers.wheel_drives import (  # noqa: PLC0415
         DiffDriveController,
     )
     from wsgen.live.nodes.simulator.ros2_control.parameters import Parameters  # noqa: PLC0415

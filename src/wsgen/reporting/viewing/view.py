@@ -19,9 +19,9 @@ from wsgen.isolation.parent import make_scratch
 from wsgen.packages.source_shares import BUILD_FOLDERS
 from wsgen.pipeline.file_validation import UNUSABLE_FILE
 from wsgen.rendering.surfaces import forget_surfaces
+from wsgen.reporting.viewing import INSTALL, LIBRARY, is_viewer_installed
 from wsgen.reporting.viewing.drawing import draw
 from wsgen.reporting.viewing.texts import diagnostics_list, links_table, summary
-from wsgen.reporting.viewing.viewer_library import INSTALL, LIBRARY, is_viewer_installed
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence

@@ -1,4 +1,4 @@
-"""The plugins of Gazebo that the simulator has, one module each.
+"""The plugins of Gazebo that the simulator has.
 
 A name is that of `wsgen.gazebo.plugins.stem`: the file name of the library without what
 systems put around it. The class follows its module, which is imported when a robot has the plugin.
@@ -10,23 +10,23 @@ _HERE = "wsgen.live.nodes.simulator.plugins"
 PLUGINS: dict[str, str] = {
     "gazebo_ros_ackermann_drive": f"{_HERE}.ackermann:ClassicAckermann",
     "gazebo_ros_diff_drive": f"{_HERE}.diff_drive:ClassicDiffDrive",
-    "gazebo_ros_ft_sensor": f"{_HERE}.force_torque:ClassicForceTorque",
+    "gazebo_ros_ft_sensor": f"{_HERE}.joint_measurements:ClassicForceTorque",
     "gazebo_ros_joint_pose_trajectory": f"{_HERE}.joint_control:ClassicPoseTrajectory",
-    "gazebo_ros_joint_state_publisher": f"{_HERE}.joint_states:ClassicJointStates",
+    "gazebo_ros_joint_state_publisher": f"{_HERE}.joint_measurements:ClassicJointStates",
     "gazebo_ros_p3d": f"{_HERE}.odometry:GroundTruth",
-    "gazebo_ros_planar_move": f"{_HERE}.planar_move:PlanarMove",
+    "gazebo_ros_planar_move": f"{_HERE}.sideways:PlanarMove",
     "ackermann-steering": f"{_HERE}.ackermann:GzAckermann",
     "apply-joint-force": f"{_HERE}.joint_control:GzJointForce",
     "diff-drive": f"{_HERE}.diff_drive:GzDiffDrive",
     "joint-controller": f"{_HERE}.joint_control:GzJointVelocity",
     "joint-position-controller": f"{_HERE}.joint_control:GzJointPosition",
-    "joint-state-publisher": f"{_HERE}.joint_states:GzJointStates",
+    "joint-state-publisher": f"{_HERE}.joint_measurements:GzJointStates",
     "joint-trajectory-controller": f"{_HERE}.joint_control:GzJointTrajectory",
     "linearbatteryplugin": f"{_HERE}.battery:LinearBattery",
-    "mecanum-drive": f"{_HERE}.mecanum:GzMecanum",
+    "mecanum-drive": f"{_HERE}.sideways:GzMecanum",
     "odometry-publisher": f"{_HERE}.odometry:OdometryPublisher",
     "pose-publisher": f"{_HERE}.odometry:PosePublisher",
-    "velocity-control": f"{_HERE}.planar_move:VelocityControl",
+    "velocity-control": f"{_HERE}.sideways:VelocityControl",
     **dict.fromkeys(
         ("gazebo_ros2_control", "gz_ros2_control-system", "ign_ros2_control-system"),
         f"{_HERE}.ros2_control:Ros2Control",

@@ -25,8 +25,7 @@ from std_msgs.msg import Empty
 
 from wsgen.live.nodes.simulator.elements import boolean, number
 from wsgen.live.nodes.simulator.host import CannotWorkError
-from wsgen.live.nodes.simulator.sensors.clouds import fill_cloud
-from wsgen.live.nodes.simulator.sensors.mounting import NEVER, Sensor, sensor_qos
+from wsgen.live.nodes.simulator.sensors.mounting import NEVER, Sensor, fill_cloud, sensor_qos
 from wsgen.live.nodes.simulator.sensors.picture import (
     CLASSIC_FIELDS,
     GZ_FIELDS,

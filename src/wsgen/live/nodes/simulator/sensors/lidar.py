@@ -27,9 +27,16 @@ from sensor_msgs.msg import ChannelFloat32, LaserScan, PointCloud, PointCloud2, 
 
 from wsgen.live.nodes.simulator.elements import number, text
 from wsgen.live.nodes.simulator.host import CannotWorkError
-from wsgen.live.nodes.simulator.sensors.clouds import FLOAT32, UINT16, fill_cloud, layout
 from wsgen.live.nodes.simulator.sensors.lidar_scan import Scanner, read_lidar
-from wsgen.live.nodes.simulator.sensors.mounting import NEVER, Sensor, sensor_qos
+from wsgen.live.nodes.simulator.sensors.mounting import (
+    FLOAT32,
+    NEVER,
+    UINT16,
+    Sensor,
+    fill_cloud,
+    layout,
+    sensor_qos,
+)
 from wsgen.live.nodes.simulator.sensors.reflection import Housings, Reflection
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ import numpy as np
 
 from wsgen.live.nodes.simulator.elements import number, vector
 from wsgen.live.nodes.simulator.host import CannotWorkError
-from wsgen.live.nodes.simulator.sensors.clouds import FLOAT32, layout
+from wsgen.live.nodes.simulator.sensors.mounting import FLOAT32, layout
 from wsgen.model.devices import pose_of
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.rendering.sensor_camera import Lens, focal_length

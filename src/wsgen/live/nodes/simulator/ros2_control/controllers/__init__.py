@@ -12,14 +12,14 @@ _HERE = __name__
 # Type -> module and class.
 TYPES: dict[str, tuple[str, str]] = {
     "ackermann_steering_controller/AckermannSteeringController": (
-        "steering",
+        "steered_drives",
         "AckermannSteeringController",
     ),
     "bicycle_steering_controller/BicycleSteeringController": (
-        "steering",
+        "steered_drives",
         "BicycleSteeringController",
     ),
-    "diff_drive_controller/DiffDriveController": ("diff_drive", "DiffDriveController"),
+    "diff_drive_controller/DiffDriveController": ("wheel_drives", "DiffDriveController"),
     "effort_controllers/JointGroupEffortController": ("forward_command", "EffortController"),
     "force_torque_sensor_broadcaster/ForceTorqueSensorBroadcaster": (
         "broadcasters",
@@ -46,7 +46,7 @@ TYPES: dict[str, tuple[str, str]] = {
         "JointTrajectoryController",
     ),
     "mecanum_drive_controller/MecanumDriveController": (
-        "mecanum_drive",
+        "wheel_drives",
         "MecanumDriveController",
     ),
     "parallel_gripper_action_controller/GripperActionController": (
@@ -56,9 +56,9 @@ TYPES: dict[str, tuple[str, str]] = {
     "effort_controllers/GripperActionController": ("gripper", "EffortGripperController"),
     "position_controllers/GripperActionController": ("gripper", "PositionGripperController"),
     "position_controllers/JointGroupPositionController": ("forward_command", "PositionController"),
-    "tricycle_controller/TricycleController": ("tricycle", "TricycleController"),
+    "tricycle_controller/TricycleController": ("steered_drives", "TricycleController"),
     "tricycle_steering_controller/TricycleSteeringController": (
-        "steering",
+        "steered_drives",
         "TricycleSteeringController",
     ),
     "velocity_controllers/JointGroupVelocityController": ("forward_command", "VelocityController"),

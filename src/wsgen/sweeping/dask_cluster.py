@@ -1,7 +1,7 @@
 """Calls computed by the workers of a Dask cluster; no other module imports `distributed`.
 
 Each thread of a worker has an isolated child of its own: engines may crash, and hold the lock of
-the interpreter. Functions, and what is `Shared`, are those of `wsgen.sweeping.executors.child`.
+the interpreter. Functions, and what is `Shared`, are those of `wsgen.sweeping.children`.
 """
 
 from __future__ import annotations
@@ -28,8 +28,14 @@ from distributed import Client, Future, KilledWorker, LocalCluster, WorkerPlugin
 from wsgen import __version__
 from wsgen.errors import NotFoundError, NotReadableError, RequestError, WsgenError
 from wsgen.isolation.result import DEFAULT_LIMITS, Died, Limits
-from wsgen.sweeping.executors.child import ATTEMPTS, Child, ChildDiedError, name_of
-from wsgen.sweeping.executors.shared import CopiedFiles, Shared
+from wsgen.sweeping.children import (
+    ATTEMPTS,
+    Child,
+    ChildDiedError,
+    CopiedFiles,
+    Shared,
+    name_of,
+)
 from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:

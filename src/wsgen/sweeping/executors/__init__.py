@@ -1,1 +1,0 @@
-"""Where runs are computed: on this machine or on others, behind `concurrent.futures.Executor`."""
