@@ -33,13 +33,19 @@ def of_link(name: str, line: int, *, problem: str = "is cut short", hint: str = 
 
 def test_many_are_one_that_names_the_others() -> None:
     other = of_link("a", 1, problem="is empty")
-    (first, second) = summed_up([*(of_link(name, 2) for name in "abcdef"), other])
+    (first, second) = summed_up([*(of_link(name, ord(name)) for name in "abcdef"), other])
     assert first.message == (
-        "The mesh `a.stl` is cut short (/meshes/a.stl). The same holds for `b.stl` (line 2), "
-        "`c.stl` (line 2), `d.stl` (line 2) and 2 more."
+        "The mesh `a.stl` is cut short (/meshes/a.stl). The same holds for `b.stl` (line 98), "
+        "`c.stl` (line 99), `d.stl` (line 100) and 2 more."
     )
-    assert (first.line, first.element) == (2, "link[@name='a']")
+    assert (first.line, first.element) == (97, "link[@name='a']")
     assert second == other
+
+
+def test_two_of_one_line_are_one() -> None:
+    """A macro of xacro that is called twice."""
+    (only,) = summed_up([of_link("left", 7), of_link("right", 7)])
+    assert only.message.endswith("The same holds for `right.stl`.")
 
 
 @pytest.mark.parametrize(

@@ -207,7 +207,9 @@ def summed_up(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
         groups.setdefault(_cause_of(found), []).append(found)
     reported: dict[Diagnostic, Diagnostic | None] = {}  # None: a part of another one
     for group in groups.values():
-        if len(group) >= MANY:
+        # In one line several are made: of a macro that is called more than once.
+        is_one_line = group[0].line is not None and len({one.line for one in group}) == 1
+        if len(group) >= (2 if is_one_line else MANY):
             reported |= {**dict.fromkeys(group), group[0]: _with_names(group)}
     kept = (reported.get(found, found) for found in different)
     return tuple(found for found in kept if found is not None)
@@ -229,7 +231,7 @@ def _with_names(group: Sequence[Diagnostic]) -> Diagnostic:
     """The first, with what distinguishes the others from it."""
     labels: dict[str, str] = {}
     for name, found in zip(_distinguishing(group), group, strict=True):
-        line = f"line {found.line}" if found.line else ""
+        line = f"line {found.line}" if found.line and found.line != group[0].line else ""
         labels.setdefault(name or line, f"{name} ({line})" if name and line else name or line)
     others = list(labels.values())[1:]
     if not others:
