@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import re
 import sys
+import time
 from typing import TYPE_CHECKING, NamedTuple
 
 import click
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 UNLIMITED = 1_000_000  # columns
 NARROWEST = 20  # columns that a wrapped cell gets in a table
 INDENT = "  "
+LONG = 10.0  # s; what takes longer says for how long it has been going on
 
 
 def echo(text: str = "", *, err: bool = False, nl: bool = True, color: bool | None = None) -> None:
@@ -261,6 +263,20 @@ def _is_terminal() -> bool:
     return sys.stdout is not None and sys.stdout.isatty()
 
 
+class _Since:
+    """A text, and for how long it is shown, where that is long: rich asks for it now and then."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+        self._began = time.monotonic()
+
+    def __rich__(self) -> Text:
+        from rich.text import Text
+
+        seconds = time.monotonic() - self._began
+        return Text(self._text + (f"  {seconds:.0f} s" if seconds >= LONG else ""))
+
+
 class StatusLine:
     """One line with a spinner below what is printed on standard error, a terminal."""
 
@@ -272,9 +288,7 @@ class StatusLine:
 
     def show(self, text: str) -> None:
         """Show this text, as it is: rich would read a string as its markup."""
-        from rich.text import Text
-
-        self._status.update(Text(clean_line(text)))
+        self._status.update(_Since(clean_line(text)))
         self._status.start()
 
     def hide(self) -> None:
