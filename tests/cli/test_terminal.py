@@ -21,7 +21,7 @@ TREE = Branch("top", (Branch("a\n    more", (Branch("[red]b[/red] :smile:"),)), 
 def columns(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> int:
     """A terminal with so many columns."""
     size = os.terminal_size((request.param, 24))
-    monkeypatch.setattr(terminal, "_is_terminal", lambda: True)
+    monkeypatch.setattr(terminal, "_is_terminal", lambda **_: True)
     monkeypatch.setattr(shutil, "get_terminal_size", lambda *_, **__: size)
     return size.columns
 

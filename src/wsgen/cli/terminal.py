@@ -251,16 +251,16 @@ def _make_console(*, width: int) -> Console:
 
 
 def _width(*, err: bool = False) -> int:
-    stream = sys.stderr if err else sys.stdout
-    if stream is None or not stream.isatty():
+    if not _is_terminal(err=err):
         return UNLIMITED
     import shutil
 
     return shutil.get_terminal_size().columns
 
 
-def _is_terminal() -> bool:
-    return sys.stdout is not None and sys.stdout.isatty()
+def _is_terminal(*, err: bool = False) -> bool:
+    stream = sys.stderr if err else sys.stdout
+    return stream is not None and stream.isatty()
 
 
 class _Since:
