@@ -76,6 +76,7 @@ CLASSIC = World(name="w", has_ground_plane=True, simulator="classic", ground_fri
 # s, m/s, rad/s; the first second is for coming to rest.
 PLAN = ((1, 0, 0), (4, 0.5, 0), (1, 0, 0), (3, 0, 1.0), (1, 0, 0), (4, 0.3, 0.5), (1, 0, 0))
 OWN = "with Gazebo's plugin"
+OWN_SKID = "with Gazebo's plugin for skid steering"
 SAME = 0.02
 # By how much at most others turn in another way, or go another way in a curve, and why.
 INNER = "the weight is on the inner edges of cylinders in DART, on the outer ones in Gazebo Classic"
@@ -229,11 +230,42 @@ def ask_own(folder: Path) -> Places:
     return places
 
 
+def ask_skid(folder: Path) -> Places:
+    """Where Gazebo's own plugin for skid steering drives a rover: x after messages, m.
+
+    After one message and half a second, and after another half with one every hundredth.
+    """
+    one = subject(STRONG, folder)
+    text = one.urdf
+    for side in ("left", "right"):
+        for number, end in enumerate(("front", "rear")):  # it finds its joints by these names
+            text = text.replace(f"{side}{number}_joint", f"{side}_{end}")
+    plugin = "<gazebo><plugin name='own' filename='libSkidSteerDrivePlugin.so'/></gazebo></robot>"
+    world, file = folder / "w.world", folder / "r.urdf"
+    world.write_text(WORLD.format(""))
+    file.write_text(text.replace("</robot>", plugin))
+    places = []
+    with GazeboClassic(world) as gazebo:
+        gazebo.spawn(file, "r", z=one.height)
+        gazebo.run(1.0)
+        for messages, pause in ((0, 0.0), (1, 0.5), (50, 0.01)):
+            for _ in range(messages):
+                pose = "position {x: 0.5 y: 0 z: 0} orientation {x: 0 y: 0 z: 0 w: 1}"
+                gazebo.ask("publish", "~/r/vel_cmd", "gazebo.msgs.Pose", pose)
+                gazebo.run(pause)
+            there = gazebo.state()["r"]["links"]["r::base"]["pose"]
+            places.append(_rounded(there[0], there[1], _yaw(there)))
+    return places
+
+
 def way(places: Places, command: int) -> tuple[float, float]:
     """How far it has gone in a command (m), and how far it has turned (rad)."""
     (x, y, yaw), (to_x, to_y, to_yaw) = places[command - 1], places[command]
     # No command turns it by more than half a turn, but skidding may.
     return math.hypot(to_x - x, to_y - y), math.remainder(to_yaw - yaw, math.tau)
+
+
+PLUGINS = {OWN: ask_own, OWN_SKID: ask_skid}
 
 
 @pytest.fixture(scope="module")
@@ -242,8 +274,8 @@ def recorded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
     return recorded_in(
         RECORDED,
         request,
-        (*TEMPLATES, *ROVERS, SKIDS, OWN),
-        lambda name: ask_own(folder) if name == OWN else ask(name, folder),
+        (*TEMPLATES, *ROVERS, SKIDS, *PLUGINS),
+        lambda name: PLUGINS[name](folder) if name in PLUGINS else ask(name, folder),
     )
 
 
@@ -293,3 +325,10 @@ def test_gazebos_own_plugin_drives_as_far(recorded: Any) -> None:
     own, motors = recorded[OWN], recorded["diff_drive"]
     assert way(own, AHEAD)[0] == pytest.approx(way(motors, AHEAD)[0], rel=0.02)
     assert -way(own, TURN)[1] == pytest.approx(way(motors, TURN)[1], rel=0.02)
+
+
+def test_gazebos_plugin_for_skid_steering_pushes_once_a_message(recorded: Any) -> None:
+    """It sets the speed of the wheels in a message alone: the rover rolls on with what is left."""
+    (begin, *_), (one, *_), (many, *_) = recorded[OWN_SKID]
+    assert 0.01 < one - begin < 0.1 * 0.5 * 0.5
+    assert 5 * (one - begin) < many - one < 0.9 * 0.5 * 0.5
