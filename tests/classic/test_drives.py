@@ -81,17 +81,12 @@ SAME = 0.02
 # By how much at most others turn in another way, or go another way in a curve, and why.
 INNER = "the weight is on the inner edges of cylinders in DART, on the outer ones in Gazebo Classic"
 SPREAD = "more than three points carry it, on which ODE spreads the weight in another way"
-SLIPS = "its wheels slip for a moment when the motion changes"
 LEFT = {
     ("diff_drive", "dart"): (0.025, INNER),
-    ("smooth caster", ""): (0.04, "in the curve; the cause is not known"),
     ("wide wheels", "dart"): (0.4, INNER),
     ("two casters", ""): (0.25, SPREAD),
     (SKIDS, ""): (0.09, "on the spot it turns as far, within 1 %; in the curve, " + SPREAD),
-    ("four wheels of little friction", ""): (0.05, SPREAD),
-    ("light", ""): (0.06, SLIPS),
-    ("wheels of little friction", ""): (0.05, SLIPS),
-    ("wheels of much friction", ""): (0.05, SLIPS),
+    ("four wheels of little friction", ""): (0.04, SPREAD),
 }
 AHEAD, TURN, CURVE = 1, 3, 5  # their places in the plan
 Places = list[list[float]]

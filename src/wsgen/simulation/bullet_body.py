@@ -17,8 +17,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.isolation.child import scratch_folder
+from wsgen.model.kinematics import link_poses
 from wsgen.model.robot import Capsule, Cylinder, JointType, Mesh, Sphere, Triangulated
 from wsgen.model.transform import (
+    IDENTITY,
     Pose,
     Vector,
     compose,
@@ -135,38 +137,56 @@ PARALLEL = 0.999  # cosine of the angle between a wheel's axis and its axle
 
 
 def with_rims(tree: Robot) -> Robot:
-    """The same tree, its wheels with the two rims alone.
+    """The same tree, its wheels with the outer rims alone; of one that is in the middle, both.
 
-    On them wheels stand in Gazebo Classic, so that a robot on the spot turns about the outer ones;
-    PyBullet lets a cylinder touch the ground in one point, about the middle.
+    Between the rims of a wheel that turns on the spot, friction holds it in balance wherever it
+    stands still; in Gazebo Classic it is the outer one that does not slip. PyBullet lets a
+    cylinder touch the ground in one point, about the middle.
     """
     axles = {joint.child: joint for joint in tree.joints if joint.type is JointType.CONTINUOUS}
+    wheels = {link.name: link for link in tree.links if link.name in axles and link.collisions}
+    if not wheels:
+        return tree
+    poses = link_poses(tree, IDENTITY)
+    middle = _scaled(_sum(*(poses[name].xyz for name in wheels)), 1 / len(wheels))
     links = []
     for link in tree.links:
-        axle = axles.get(link.name)
-        if axle is not None:
-            shapes = [part for shape in link.collisions for part in _rims(shape, axle)]
+        if link.name in wheels:
+            shapes = [
+                part
+                for shape in link.collisions
+                for part in _outer_rims(shape, axles[link.name], poses[link.name], middle)
+            ]
             links.append(replace(link, collisions=tuple(shapes)))
         else:
             links.append(link)
     return replace(tree, links=tuple(links))
 
 
-def _rims(shape: Collision, axle: Joint) -> Iterator[Collision]:
-    """The rims of a cylinder that turns about its axis; any other shape as it is."""
+def _outer_rims(shape: Collision, axle: Joint, wheel: Pose, middle: Vector) -> list[Collision]:
+    """The rim of a cylinder on its axle that is farthest from the middle; other shapes as they are.
+
+    Where the wheel is, and the middle, are seen from the root.
+    """
     geometry, pose = shape.geometry, shape.pose_in_link
     along = rotate(rotation_of_rpy(pose.rpy), (0.0, 0.0, 1.0))
     lies_on_axle = abs(math.fsum(a * b for a, b in zip(along, axle.axis_in_joint, strict=True)))
     if not isinstance(geometry, Cylinder) or lies_on_axle < PARALLEL:
-        yield shape
-        return
+        return [shape]
+    at = compose(wheel, pose)
+    axis = rotate(rotation_of_rpy(at.rpy), (0.0, 0.0, 1.0))
+    aside = math.fsum(a * (b - c) for a, b, c in zip(axis, at.xyz, middle, strict=True))
     width = RIM * geometry.length
-    for z in ((geometry.length - width) / 2, (width - geometry.length) / 2):
-        yield replace(
+    to_rim = (geometry.length - width) / 2
+    rims = (to_rim, -to_rim) if abs(aside) < width else (math.copysign(to_rim, aside),)
+    return [
+        replace(
             shape,
             geometry=replace(geometry, length=width),
             pose_in_link=compose(pose, Pose((0.0, 0.0, z))),
         )
+        for z in rims
+    ]
 
 
 def unread_mesh(client: Client, body: int, tree: Robot, index_of: Mapping[str, int]) -> str | None:
