@@ -14,7 +14,7 @@ PIP := $(VENV)/bin/python -m pip --disable-pip-version-check --quiet
 
 help:
 	@echo "make demo       write, build and validate the tutorial's robot in demo/"
-	@echo "make quick      run the tests that take a moment: three minutes"
+	@echo "make quick      run the tests that take a moment: one minute"
 	@echo "make test       run all tests"
 	@echo "make check      run the linters and the type checker"
 	@echo "make benchmark  measure against doing it by hand"
@@ -27,9 +27,9 @@ demo: $(VENV)/.installed
 	cd demo && "$(WSGEN)" build
 	cd demo && "$(WSGEN)" validate --picture .
 
-# What to run while editing. In one process: collecting alone takes ten seconds in each.
+# What to run while editing.
 quick: $(VENV)/.installed-for-tests
-	$(VENV)/bin/python -m pytest -q -m 'not slow' $(PYTEST_ARGUMENTS)
+	$(VENV)/bin/python -m pytest -q -m 'not slow' -n auto --dist loadfile $(PYTEST_ARGUMENTS)
 
 # One process more than cores: some tests wait for the network, or for limits of time. The type
 # checker needs one core for a minute and runs beside them; what it says comes at the end.

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import pytest
 import yaml
 
 from wsgen.text.yamlfile import (
@@ -53,6 +54,7 @@ def test_what_is_not_yaml_has_a_line() -> None:
     assert isinstance(parse("day: 2001-99-99"), NotYaml)
 
 
+@pytest.mark.slow
 def test_odd_documents_are_read() -> None:
     assert parse("") is None
     assert _parse("a: &x {b: 1}\nc:\n  <<: *x\n  d: 2").get("c", "b") == Value(1, 1)

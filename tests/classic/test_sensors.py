@@ -361,6 +361,7 @@ def body(shape: Primitive | None = BODY) -> Robot:
 AROUND = tuple(static(name, shape, pose) for name, (shape, pose) in SHAPES.items())
 
 
+@pytest.mark.slow
 def test_rays(recorded: Any) -> None:
     """Where rays begin and end, which of them there are, and what is between them."""
     sensors = [
@@ -385,6 +386,7 @@ def floats(values: list[Any]) -> list[float]:
     return [float(one) for one in values]
 
 
+@pytest.mark.slow
 def test_a_ray_that_begins_in_its_own_link(recorded: Any) -> None:
     text = sensor("s", "ray", ray() + PLUGIN.format("ray_sensor", SCAN, "~/out", "s"))
     ros = run(mounted(text, IDENTITY), robot=body(), seconds=0.01)
@@ -393,6 +395,7 @@ def test_a_ray_that_begins_in_its_own_link(recorded: Any) -> None:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["gpu_ray", "ray"])
 def test_rays_of_others_do_not_see_what_they_begin_in(kind: str) -> None:
     """They see visuals from outside: those of GPUs, and those of Gazebo Sim."""
@@ -404,6 +407,7 @@ def test_rays_of_others_do_not_see_what_they_begin_in(kind: str) -> None:
     assert list(ros.published("/s")[-1].ranges) == pytest.approx([2.0], abs=2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "pose", "others"),
     [("resting", RESTING, AROUND), ("leaning", LEANING, (static("slope", SLOPE, TILTED),))],

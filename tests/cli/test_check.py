@@ -174,6 +174,7 @@ def test_a_comment_with_a_reason(robot: Path, capsys: pytest.CaptureFixture[str]
     assert "2 allowed" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_our_own_package_has_no_diagnostics(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -100,12 +100,14 @@ def ask(words: str, folder: Path, **environment: str) -> subprocess.CompletedPro
     )
 
 
+@pytest.mark.slow
 def test_what_a_shell_gets(workspace: Path) -> None:
     run = ask("launch rover", workspace)
     assert (run.returncode, run.stderr) == (0, "")
     assert run.stdout == "plain,drive.launch.py\nplain,world.launch.xml\n"
 
 
+@pytest.mark.slow
 def test_a_shell_reads_nothing_where_nothing_can_be_completed(tmp_path: Path) -> None:
     source = tmp_path / "ws" / "src" / "broken"
     source.mkdir(parents=True)
@@ -116,6 +118,7 @@ def test_a_shell_reads_nothing_where_nothing_can_be_completed(tmp_path: Path) ->
         assert (run.returncode, run.stderr) == (0, ""), words
 
 
+@pytest.mark.slow
 def test_it_loads_little(workspace: Path) -> None:
     run = ask("launch rover", workspace, PYTHONPROFILEIMPORTTIME="1")
     loaded = {line.rpartition("|")[2].strip() for line in run.stderr.splitlines()}
@@ -123,6 +126,7 @@ def test_it_loads_little(workspace: Path) -> None:
     assert not loaded & HEAVY
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("bash") is None, reason="there is no bash")
 def test_bash_completes_with_the_script(workspace: Path) -> None:
     """The line of docs/completion.md, then what bash does when somebody presses Tab."""

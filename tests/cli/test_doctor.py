@@ -44,6 +44,7 @@ def test_this_machine(capsys: pytest.CaptureFixture[str]) -> None:
     assert lines[-1] == "wsgen has all it needs."
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("loaded_once")
 def test_a_narrow_terminal(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

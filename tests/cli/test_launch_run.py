@@ -20,6 +20,7 @@ from wsgen.pipeline.file_validation import UNUSABLE_FILE
 from wsgen.text.files import write_file
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -59,6 +60,7 @@ def test_what_makes_no_sense_is_refused(
     assert message in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_video_without_its_encoder(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -69,6 +71,7 @@ def test_a_video_without_its_encoder(
     assert "pip install 'wsgen[video]'; or record a .gif." in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_page_is_refused_before_anything_is_started(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -114,6 +117,7 @@ def test_what_is_shown_is_read_as_it_looks(
     assert runs == [(is_drawn, has_page)]
 
 
+@pytest.mark.slow
 def test_what_is_reported_later_is_printed_without_what_was_before(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -138,6 +142,7 @@ def test_what_is_reported_later_is_printed_without_what_was_before(
     assert "both is wrong." not in printed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("color", "is_colored"), [("always", True), ("never", False)])
 def test_what_is_reported_later_has_the_colors_that_are_wanted(
     color: str,
@@ -227,6 +232,7 @@ def test_a_video_of_play_that_is_not_drawn_is_named_before_the_signal(
     assert lines == [*said, "wsgen: interrupted"]
 
 
+@pytest.mark.slow
 def test_a_page_that_cannot_be_served_keeps_the_launch_from_starting(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -110,6 +110,7 @@ def test_a_reader_that_goes_away_is_no_error() -> None:
     assert (run.returncode, run.stderr) == (0, "")
 
 
+@pytest.mark.slow
 def test_standard_error_that_is_closed(tmp_path: Path) -> None:
     run = subprocess.run(
         f"'{sys.executable}' -m wsgen validate 2>&-",
@@ -196,6 +197,7 @@ def test_a_full_disk_behind_standard_output() -> None:
     assert "Traceback" not in run.stderr
 
 
+@pytest.mark.slow
 def test_an_interrupt_ends_with_130(tmp_path: Path) -> None:
     """A build is interrupted while CMake configures."""
     package = tmp_path / "src" / "slow"

@@ -189,6 +189,7 @@ def test_new_workspace(
     assert {name for name in written if not name.startswith("src/")} == {".gitignore", path}
 
 
+@pytest.mark.slow
 def test_the_second_package_keeps_the_workflow(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -283,6 +284,7 @@ def test_a_disk_that_is_read_only(
     assert not list(here.iterdir())
 
 
+@pytest.mark.slow
 def test_the_workspace_is_no_repository_of_its_own(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -198,6 +198,7 @@ def test_interrupted_it_says_how_to_go_on(box: Path) -> None:
     assert rows[1].startswith("0,0.1,")
 
 
+@pytest.mark.slow
 def test_a_misspelled_column_is_refused_before_anything_runs(
     box: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -206,6 +207,7 @@ def test_a_misspelled_column_is_refused_before_anything_runs(
     assert [file.name for file in box.parent.iterdir()] == [box.name]
 
 
+@pytest.mark.slow
 def test_where_no_variant_has_a_robot_nothing_is_run(
     box: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

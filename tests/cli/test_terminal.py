@@ -187,6 +187,7 @@ def test_color_holds_for_tables(
     assert ("\x1b[" in capsys.readouterr().out) is is_colored
 
 
+@pytest.mark.slow
 def test_no_other_module_imports_rich() -> None:
     sources = Path(terminal.__file__).parents[1]
     importing = {

@@ -70,6 +70,7 @@ def test_a_folder_is_no_robot(crane: Path, capsys: pytest.CaptureFixture[str]) -
     assert "wsgen view" in text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "words"),
     [

@@ -43,6 +43,7 @@ def test_shared_arguments_are_sent_once_to_each_child(executor: LocalExecutor) -
     assert executor.submit(calls.identity_of, share({"text": "x" * 1000})).result() == first
 
 
+@pytest.mark.slow
 def test_few_shared_arguments_are_kept(executor: LocalExecutor) -> None:
     values = [share({"text": "x" * number}) for number in range(2 * MOST_KEPT)]
     for _ in range(2):
@@ -69,6 +70,7 @@ def test_a_call_that_ends_three_children_is_given_up(
     assert executor.submit(calls.double, 4).result() == 8
 
 
+@pytest.mark.slow
 def test_what_a_call_raises_is_reported(executor: LocalExecutor) -> None:
     with pytest.raises(ChildDiedError, match="ValueError: It is wrong"):
         executor.submit(calls.wrong).result()

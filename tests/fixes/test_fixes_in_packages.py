@@ -316,6 +316,7 @@ def diagnostics(folder: Path) -> tuple[Diagnostic, ...]:
     return filter_outcome(outcome, Filters()).diagnostics
 
 
+@pytest.mark.slow
 def test_the_package_is_sound(tmp_path: Path) -> None:
     write(tmp_path / "my_robot")
     assert diagnostics(tmp_path / "my_robot") == ()

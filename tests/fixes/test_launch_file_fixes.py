@@ -115,6 +115,7 @@ def test_a_blank_behind_xacro(tmp_path: Path, before: str, after: str | None) ->
     assert fixed(file, "glued-command", 1) == after
 
 
+@pytest.mark.slow
 def test_the_plugin_that_spawns(tmp_path: Path) -> None:
     file = tmp_path / "a.launch.py"
     file.write_text(

@@ -192,6 +192,7 @@ def test_nothing_is_left_after_ctrl_c(kind: str, installed: Any, tmp_path: Path)
     assert has_ended(tmp_path)
 
 
+@pytest.mark.slow
 def test_classic_has_a_gz_of_its_own(installed: Any) -> None:
     found = find_gazebo(installed("classic"))
     assert found is not None

@@ -119,6 +119,7 @@ def test_a_child_answers_with_a_dataclass(tmp_path: Path, monkeypatch: pytest.Mo
     assert decode(outcome.value, Point) == Point(2.5)
 
 
+@pytest.mark.slow
 def test_a_child_that_needs_no_dataclasses_does_not_load_them() -> None:
     script = "import sys, wsgen.isolation.child; print('dataclasses' in sys.modules)"
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)

@@ -47,6 +47,7 @@ def read_family(file: Path) -> tuple[int, int]:
     return parent_of(parent_of(child)), child
 
 
+@pytest.mark.slow
 def test_the_module_is_imported_once(fork_server: ForkServer, task: Task, tmp_path: Path) -> None:
     log = tmp_path / "log"
     name = task(
@@ -62,6 +63,7 @@ def test_the_module_is_imported_once(fork_server: ForkServer, task: Task, tmp_pa
     assert os.getpid() not in servers
 
 
+@pytest.mark.slow
 def test_what_one_module_imports_is_not_in_the_others_children(
     fork_server: ForkServer, task: Task
 ) -> None:
@@ -70,6 +72,7 @@ def test_what_one_module_imports_is_not_in_the_others_children(
     assert value(fork_server.run(task(body))) is False
 
 
+@pytest.mark.slow
 def test_every_child_leads_a_session_of_its_own(fork_server: ForkServer, task: Task) -> None:
     name = task("import os\nreturn [os.getpid(), os.getpgrp(), os.getsid(0)]")
     first, second = value(fork_server.run(name)), value(fork_server.run(name))
@@ -78,6 +81,7 @@ def test_every_child_leads_a_session_of_its_own(fork_server: ForkServer, task: T
     assert first != second
 
 
+@pytest.mark.slow
 def test_children_have_nothing_open_but_their_own(fork_server: ForkServer, task: Task) -> None:
     # Standard streams, parent-death pipe, and what lists them; one child is there while the other
     # looks.
@@ -108,6 +112,7 @@ def test_what_the_import_prints_is_no_childs(fork_server: ForkServer, task: Task
     assert answer == Answered(value=None, output="well")
 
 
+@pytest.mark.slow
 def test_a_folder_that_is_made_later(
     fork_server: ForkServer, task: Task, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -146,6 +151,7 @@ def test_calls_from_several_threads(fork_server: ForkServer, task: Task, tmp_pat
     assert answers == [Answered(value=i, output=f"I am {i}") for i in (2, 3)]
 
 
+@pytest.mark.slow
 def test_a_call_without_time_left_does_not_disturb_the_others(
     fork_server: ForkServer, task: Task, tmp_path: Path
 ) -> None:
@@ -160,6 +166,7 @@ def test_a_call_without_time_left_does_not_disturb_the_others(
         assert value(calm.result()) == 0.6
 
 
+@pytest.mark.slow
 def test_a_server_that_is_killed(fork_server: ForkServer, task: Task, tmp_path: Path) -> None:
     name = task(f"if arguments:{WAIT}".replace("\n", "\n    ") + SERVER)
     first = value(fork_server.run(name))
@@ -175,6 +182,7 @@ def test_a_server_that_is_killed(fork_server: ForkServer, task: Task, tmp_path: 
     assert value(fork_server.run(name)) not in (first, os.getpid())
 
 
+@pytest.mark.slow
 def test_a_server_that_is_killed_between_calls(fork_server: ForkServer, task: Task) -> None:
     name = task(SERVER)
     first = value(fork_server.run(name))
@@ -184,6 +192,7 @@ def test_a_server_that_is_killed_between_calls(fork_server: ForkServer, task: Ta
     assert value(fork_server.run(name)) != first
 
 
+@pytest.mark.slow
 def test_a_server_that_dies_as_it_is_asked(
     fork_server: ForkServer, task: Task, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -229,6 +238,7 @@ def test_a_module_that_is_never_imported(fork_server: ForkServer, task: Task) ->
     assert value(fork_server.run(name)) == 1
 
 
+@pytest.mark.slow
 def test_a_module_that_starts_threads_is_not_forked(fork_server: ForkServer, task: Task) -> None:
     before = """
         import os, threading, time
@@ -250,6 +260,7 @@ def test_the_modules_of_wsgen_start_no_threads(fork_server: ForkServer, task: Ta
         assert value(fork_server.run(name)) != os.getpid(), module
 
 
+@pytest.mark.slow
 def test_nothing_is_forked_elsewhere(
     fork_server: ForkServer, task: Task, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -291,6 +302,7 @@ def test_the_end_where_nothing_is_forked(
         fork_server.run(name)
 
 
+@pytest.mark.slow
 def test_an_interrupted_call_leaves_nothing(
     fork_server: ForkServer, task: Task, tmp_path: Path
 ) -> None:

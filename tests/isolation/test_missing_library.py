@@ -53,6 +53,7 @@ def unloadable(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     return "unloadable"
 
 
+@pytest.mark.slow
 def test_what_the_linker_says(unloadable: str) -> None:
     death = parent.run("wsgen.isolation.child:import_modules", [unloadable])
     assert isinstance(death, Died)

@@ -88,6 +88,7 @@ time.sleep(600)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="nothing is forked elsewhere")
 def test_the_end_of_the_parent_while_a_server_imports(tmp_path: Path) -> None:
     (tmp_path / "foreign_spin.py").write_text(IMPORT)
@@ -120,6 +121,7 @@ def test_a_parent_that_ended_before(function: str, tmp_path: Path) -> None:
     assert ended.returncode == -signal.SIGTERM
 
 
+@pytest.mark.slow
 @GROUPED
 def test_the_system_limits_the_cpu_time_too(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

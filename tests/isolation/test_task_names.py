@@ -37,6 +37,7 @@ def task_names() -> list[str]:
     )
 
 
+@pytest.mark.slow
 def test_the_names_are_found() -> None:
     assert "wsgen.descriptions.meshes.worker:inspect" in task_names()
     assert "wsgen.pipeline.tasks.launch:evaluate_launch" in task_names()

@@ -36,6 +36,7 @@ READ = "LaunchConfiguration('x')"
 QUOTED = "\"'\", LaunchConfiguration('x'), \"' == 'arm'\""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("declared", "used", "values"),
     [
@@ -69,6 +70,7 @@ def test_several_arguments_are_given_together(space: InstallSpace) -> None:
     assert tried(space, both.format(""), y="z") == [{"x": "ab"}, {"x": "c"}]
 
 
+@pytest.mark.slow
 def test_a_truth_value_of_launch_that_python_reads(space: InstallSpace) -> None:
     default = "DeclareLaunchArgument('x', default_value='true'), {}"
     wrong = default.format(EXPRESSION.format(f"'not ', {READ}"))
@@ -84,6 +86,7 @@ def test_a_truth_value_of_launch_that_python_reads(space: InstallSpace) -> None:
     assert "x:=True" in found.diagnostics[1].message
 
 
+@pytest.mark.slow
 def test_an_empty_default(space: InstallSpace) -> None:
     entities = (
         "DeclareLaunchArgument('x', default_value='', description=\"'one'\"), "
@@ -92,6 +95,7 @@ def test_an_empty_default(space: InstallSpace) -> None:
     assert tried(space, entities) == [{"x": "one"}, {"x": "true"}, {"x": "false"}]
 
 
+@pytest.mark.slow
 def test_other_failures_are_left_alone(space: InstallSpace) -> None:
     assert tried(space, "DeclareLaunchArgument('x', default_value='true'), no_name") == []
     assert tried(space, f"LogInfo(msg={READ})") == []

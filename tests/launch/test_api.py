@@ -17,6 +17,7 @@ def commands(plan: LaunchPlan) -> list[tuple[str, ...]]:
     return [process.command for process in plan.processes if process.command]
 
 
+@pytest.mark.slow
 def test_scopes_by_hand(space: InstallSpace) -> None:
     plan = space.play(
         "SetLaunchConfiguration('a', '1'), PushLaunchConfigurations(), PushEnvironment(), "
@@ -39,6 +40,7 @@ def test_scopes_by_hand(space: InstallSpace) -> None:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("distro", "inside", "after"), [("humble", "gone", "leaked"), ("jazzy", "in", "gone")]
 )
@@ -59,6 +61,7 @@ def test_timers_keep_the_scope_that_they_were_set_in(
     assert commands(plan) == [("inside", inside), ("after", after)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("distro", ["galactic", "humble", "jazzy"])
 def test_parts_of_a_path_are_concatenated(space: InstallSpace, distro: str) -> None:
     plan = space.play(
@@ -71,6 +74,7 @@ def test_parts_of_a_path_are_concatenated(space: InstallSpace, distro: str) -> N
         assert commands(plan) == [("/a/b.c",)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pop", ["PopEnvironment()", "PopLaunchConfigurations()"])
 def test_a_scope_that_was_not_begun(space: InstallSpace, pop: str) -> None:
     assert "stack unexpectedly empty" in only_message(space.play(pop), "LCH010")
@@ -86,6 +90,7 @@ def test_messages_are_performed(space: InstallSpace) -> None:
         only_message(plan, "LCH009")
 
 
+@pytest.mark.slow
 def test_handlers_can_be_taken_back(space: InstallSpace) -> None:
     plan = space.play(
         "RegisterEventHandler(handler), UnregisterEventHandler(handler), process",
@@ -97,6 +102,7 @@ def test_handlers_can_be_taken_back(space: InstallSpace) -> None:
     assert commands(plan) == [("x",)]
 
 
+@pytest.mark.slow
 def test_handlers_and_events_of_users(space: InstallSpace) -> None:
     plan = space.play(
         "RegisterEventHandler(EventHandler(matcher=lambda e: isinstance(e, Bell), "
@@ -111,6 +117,7 @@ def test_handlers_and_events_of_users(space: InstallSpace) -> None:
     assert commands(plan) == [("rung",)]
 
 
+@pytest.mark.slow
 def test_events_that_handlers_see(space: InstallSpace) -> None:
     plan = space.play(
         "process, TimerAction(period=1.0, actions=[]), "
@@ -148,6 +155,7 @@ def test_events_that_handlers_see(space: InstallSpace) -> None:
     ]
 
 
+@pytest.mark.slow
 def test_conditions(space: InstallSpace) -> None:
     plan = space.play(
         "SetLaunchConfiguration('a', '1'), "
@@ -173,6 +181,7 @@ def test_conditions(space: InstallSpace) -> None:
     assert [one for (one,) in commands(plan)] == ["equal", "unset", "differs", "own", "refused"]
 
 
+@pytest.mark.slow
 def test_substitutions(space: InstallSpace) -> None:
     share = space.add("my_robot", {"word.txt": "content"})
     plan = space.play(
@@ -195,6 +204,7 @@ def test_substitutions(space: InstallSpace) -> None:
     ]
 
 
+@pytest.mark.slow
 def test_variables_outside_of_a_loop(space: InstallSpace) -> None:
     plan = space.play("ExecuteProcess(cmd=[ForEachVar('a', default_value='d')])")
     assert commands(plan) == [("d",)]
@@ -203,11 +213,13 @@ def test_variables_outside_of_a_loop(space: InstallSpace) -> None:
     )
 
 
+@pytest.mark.slow
 def test_what_is_no_boolean(space: InstallSpace) -> None:
     plan = space.play("LogInfo(msg=OrSubstitution('maybe', 'true'))")
     assert "'maybe'" in only_message(plan, "LCH010")
 
 
+@pytest.mark.slow
 def test_the_index_of_packages(space: InstallSpace) -> None:
     plan = space.play(
         "ExecuteProcess(cmd=['x'])",
@@ -237,6 +249,7 @@ def test_the_index_of_packages(space: InstallSpace) -> None:
     assert commands(plan) == [("x",)]
 
 
+@pytest.mark.slow
 def test_helpers(space: InstallSpace) -> None:
     plan = space.play(
         "ExecuteProcess(cmd=['x'])",
@@ -277,6 +290,7 @@ def test_helpers(space: InstallSpace) -> None:
     assert commands(plan) == [("x",)]
 
 
+@pytest.mark.slow
 def test_descriptions_from_functions(space: InstallSpace) -> None:
     space.add(
         "my_robot",

@@ -90,6 +90,7 @@ def environment(space: InstallSpace, tmp_path: Path) -> Mapping[str, str]:
     return {"PYTHONPATH": str(modules)}
 
 
+@pytest.mark.slow
 def test_tags_and_substitutions_of_a_package(
     space: InstallSpace, environment: Mapping[str, str]
 ) -> None:
@@ -109,6 +110,7 @@ def test_tags_and_substitutions_of_a_package(
     assert [one.what for one in plan.unresolved] == ["broken"]
 
 
+@pytest.mark.slow
 def test_tags_of_a_package_in_yaml(space: InstallSpace, environment: Mapping[str, str]) -> None:
     text = "launch:\n- wheel: {radius: 0.5, name: w, side: [{of: left}]}\n"
     share = space.add("my_robot", {"a.launch.yaml": text})
@@ -117,6 +119,7 @@ def test_tags_of_a_package_in_yaml(space: InstallSpace, environment: Mapping[str
     assert plan.processes[0].arguments == ("0.5", "left")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("element", "message"),
     [

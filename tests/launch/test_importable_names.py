@@ -122,10 +122,12 @@ def test_every_public_name_is_found_in_its_package_and_in_its_module() -> None:
     assert asked > 300
 
 
+@pytest.mark.slow
 def test_every_other_module_is_found() -> None:
     assert not ask(json.dumps(OTHERS))[1]
 
 
+@pytest.mark.slow
 def test_what_a_module_needs_for_itself_is_not_shown() -> None:
     asked, failures = ask(json.dumps(HIDDEN))
     assert len(failures) == asked

@@ -34,6 +34,7 @@ def assert_goes_on(plan: LaunchPlan, *expected: str) -> None:
     assert plan.processes[-1].command == ("known",)
 
 
+@pytest.mark.slow
 def test_released_packages_need_not_be_installed(space: InstallSpace) -> None:
     plan = space.play(
         "Node(package='rplidar_ros', executable='rplidar_node', parameters=["
@@ -47,6 +48,7 @@ def test_released_packages_need_not_be_installed(space: InstallSpace) -> None:
     assert [include.evaluated for include in plan.includes] == [False]
 
 
+@pytest.mark.slow
 def test_undeclared_packages_are_one_warning(space: InstallSpace) -> None:
     space.add(
         "other",
@@ -79,6 +81,7 @@ def test_undeclared_packages_are_one_warning(space: InstallSpace) -> None:
     assert hint.endswith(f"package.xml:{lines}")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("before", "entity"),
     [
@@ -100,6 +103,7 @@ def test_what_is_imported_or_run_must_be_declared(
     ]
 
 
+@pytest.mark.slow
 def test_an_import_that_may_fail_need_not_be_declared(space: InstallSpace) -> None:
     space.add("my_robot", {"package.xml": MANIFEST.format("")})
     before = """
@@ -111,6 +115,7 @@ def test_an_import_that_may_fail_need_not_be_declared(space: InstallSpace) -> No
     assert_goes_on(space.play(KNOWN, before=before))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "entity",
     [
@@ -127,6 +132,7 @@ def test_a_package_that_nobody_knows_is_reported_once(space: InstallSpace, entit
     assert plan.diagnostics[0].element == "slam_tolbox"
 
 
+@pytest.mark.slow
 def test_a_package_that_the_launch_file_can_do_without(space: InstallSpace) -> None:
     before = """
         try:
@@ -137,6 +143,7 @@ def test_a_package_that_the_launch_file_can_do_without(space: InstallSpace) -> N
     assert_goes_on(space.play(f"ExecuteProcess(cmd=[str(share)]), {KNOWN}", before=before))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("entity", "code"),
     [
@@ -159,6 +166,7 @@ def test_what_ends_one_branch(space: InstallSpace, entity: str, code: str) -> No
     assert_goes_on(plan, code)
 
 
+@pytest.mark.slow
 def test_what_waits_for_a_node_that_is_left_out(space: InstallSpace) -> None:
     plan = space.play(
         f"node, RegisterEventHandler(OnProcessExit(target_action=node, on_exit=[{KNOWN}]))",
@@ -167,6 +175,7 @@ def test_what_waits_for_a_node_that_is_left_out(space: InstallSpace) -> None:
     assert_goes_on(plan, "LCH020")
 
 
+@pytest.mark.slow
 def test_an_argument_whose_default_is_not_there(space: InstallSpace) -> None:
     plan = space.play(
         "DeclareLaunchArgument('a', default_value=EnvironmentVariable('NOT_SET')), "
@@ -177,12 +186,14 @@ def test_an_argument_whose_default_is_not_there(space: InstallSpace) -> None:
     assert plan.processes[0].command == ("$(var a)", "$(var b)")
 
 
+@pytest.mark.slow
 def test_a_mistake_ends_the_launch(space: InstallSpace) -> None:
     plan = space.play(f"LogInfo(msg=LaunchConfiguration('no')), {KNOWN}")
     assert codes(plan) == ["LCH009"]
     assert not plan.is_complete
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("declared", ["rclcpp", "no_such_library"])
 def test_a_program_that_is_not_compiled_here(space: InstallSpace, declared: str) -> None:
     manifest = MANIFEST.format(f"<depend>{declared}</depend>")
@@ -199,6 +210,7 @@ def test_a_program_that_is_not_compiled_here(space: InstallSpace, declared: str)
     assert [process.executable for process in plan.processes] == ["driver", "talkerr.py", None]
 
 
+@pytest.mark.slow
 def test_a_program_that_a_build_left_out(space: InstallSpace) -> None:
     space.add("my_robot")
     space.add_program("my_robot", "noisy_driver.py")
@@ -212,6 +224,7 @@ def test_a_program_that_a_build_left_out(space: InstallSpace) -> None:
     assert codes(space.play("Node(package='my_robot', executable='noisy_drive')")) == ["LCH021"]
 
 
+@pytest.mark.slow
 def test_undeclared_packages_of_an_included_file_of_a_source_folder(
     space: InstallSpace, tmp_path: Path
 ) -> None:
@@ -231,6 +244,7 @@ def test_undeclared_packages_of_an_included_file_of_a_source_folder(
     assert "<exec_depend>rplidar_ros</exec_depend>" in (plan.diagnostics[0].hint or "")
 
 
+@pytest.mark.slow
 def test_a_program_of_a_package_that_is_not_built(space: InstallSpace, tmp_path: Path) -> None:
     source, folder = tmp_path / "talkers", tmp_path / "prefixes"
     source.mkdir()
@@ -243,6 +257,7 @@ def test_a_program_of_a_package_that_is_not_built(space: InstallSpace, tmp_path:
     assert_goes_on(plan)
 
 
+@pytest.mark.slow
 def test_a_module_of_a_package_that_is_not_built(space: InstallSpace, tmp_path: Path) -> None:
     source, folder = tmp_path / "talkers", tmp_path / "prefixes"
     (source / "talkers").mkdir(parents=True)
@@ -258,6 +273,7 @@ def test_a_module_of_a_package_that_is_not_built(space: InstallSpace, tmp_path: 
     assert_goes_on(plan)
 
 
+@pytest.mark.slow
 def test_a_xacro_file_of_a_package_that_is_not_installed(space: InstallSpace) -> None:
     text = """<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="r">
     <xacro:include filename="$(find realsense2_description)/urdf/_d435.urdf.xacro"/></robot>"""
@@ -270,6 +286,7 @@ def test_a_xacro_file_of_a_package_that_is_not_installed(space: InstallSpace) ->
     assert (found.file, found.line) == (share / "r.xacro", 2)
 
 
+@pytest.mark.slow
 def test_modules_of_released_packages_are_unknown(space: InstallSpace) -> None:
     plan = space.play(
         f"ExecuteProcess(cmd=[str(cv_bridge.CvBridge())]), {KNOWN}", before="import cv_bridge"
@@ -278,6 +295,7 @@ def test_modules_of_released_packages_are_unknown(space: InstallSpace) -> None:
     assert plan.processes[0].command == ("$(cv_bridge.CvBridge())",)
 
 
+@pytest.mark.slow
 def test_modules_that_rosdep_installs_are_unknown(space: InstallSpace) -> None:
     plan = space.play(f"ExecuteProcess(cmd=[str(smbus.SMBus())]), {KNOWN}", before="import smbus")
     assert_goes_on(plan)

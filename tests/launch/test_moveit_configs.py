@@ -42,6 +42,7 @@ def moveit(space: InstallSpace) -> InstallSpace:
     return space
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("builder", "link"),
     [
@@ -75,6 +76,7 @@ def test_the_robot_of_a_package(moveit: InstallSpace, builder: str, link: str) -
     assert "moveit_configs_utils" in {one.what for one in plan.unresolved}
 
 
+@pytest.mark.slow
 def test_mistakes_in_its_files(moveit: InstallSpace) -> None:
     config = BEFORE.format("MoveItConfigsBuilder('my').to_moveit_configs()")
     moveit.add("my_robot", {"urdf/r.xacro": ROBOT.replace("$(arg size)", "${no}")})
@@ -87,6 +89,7 @@ def test_mistakes_in_its_files(moveit: InstallSpace) -> None:
     assert "groups.srdf" in only_message(moveit.play("", before=config), "LCH005")
 
 
+@pytest.mark.slow
 def test_a_robot_of_a_package_that_is_not_here(moveit: InstallSpace) -> None:
     elsewhere = ASSISTANT.replace("my_robot", "moveit_resources_panda_description")
     moveit.add("my_moveit_config", {".setup_assistant": elsewhere})
@@ -98,6 +101,7 @@ def test_a_robot_of_a_package_that_is_not_here(moveit: InstallSpace) -> None:
     assert plan.processes[0].parameters["robot_description"].startswith("$(xacro ")
 
 
+@pytest.mark.slow
 def test_a_builder_of_parameters(moveit: InstallSpace) -> None:
     moveit.add("my_robot", {"config/p.yaml": "a: 1\nb: {c: x}\n", "notes.txt": "text"})
     plan = moveit.play(

@@ -32,6 +32,7 @@ def node(parameters: str, namespace: str = "") -> str:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("rewrites", "changed"),
     [
@@ -74,6 +75,7 @@ def test_a_rewritten_parameter_file(
     assert plan.processes[0].parameters == wanted
 
 
+@pytest.mark.slow
 def test_a_namespace_around_a_parameter_file(space: InstallSpace) -> None:
     space.add("my_robot", {"p.yaml": FILE})
     rewritten = "RewrittenYaml(FILE, {}, root_key='robot1')"
@@ -83,6 +85,7 @@ def test_a_namespace_around_a_parameter_file(space: InstallSpace) -> None:
     assert plan.processes[1].parameters == {}
 
 
+@pytest.mark.slow
 def test_replaced_texts(space: InstallSpace) -> None:
     space.add("my_robot", {"p.yaml": FILE})
     replaced = "ReplaceString(FILE, {{'odom': C('frame')}}, condition={})"
@@ -96,6 +99,7 @@ def test_replaced_texts(space: InstallSpace) -> None:
     assert [one.parameters["frame"] for one in plan.processes] == ["map", "odom"]
 
 
+@pytest.mark.slow
 def test_conditions_and_poses(space: InstallSpace) -> None:
     space.add("my_robot", {"p.yaml": FILE})
     poses = "ParseMultiRobotPose(C('robots')).perform(context).values()"
@@ -115,6 +119,7 @@ def test_conditions_and_poses(space: InstallSpace) -> None:
     ]
 
 
+@pytest.mark.slow
 def test_files_that_are_not_here(space: InstallSpace) -> None:
     share = "FindPackageShare('nav2_bringup')"
     plan = space.play(

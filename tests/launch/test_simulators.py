@@ -172,6 +172,7 @@ def test_simulator_of_the_packages(started: LaunchPlan, kind: str | None) -> Non
     assert kind_of_project(started) == kind
 
 
+@pytest.mark.slow
 def test_command_line_without_shell(space: InstallSpace) -> None:
     started = space.play("ExecuteProcess(cmd=['gz sim -r', 'w.sdf'])")
     simulator, (found,) = find_simulator(started)
@@ -181,6 +182,7 @@ def test_command_line_without_shell(space: InstallSpace) -> None:
     assert found.line is not None
 
 
+@pytest.mark.slow
 def test_command_line_with_shell(space: InstallSpace) -> None:
     started = space.play("ExecuteProcess(cmd=['gz sim -r', 'w.sdf'], shell=True)")
     simulator, diagnostics = find_simulator(started)
@@ -189,6 +191,7 @@ def test_command_line_with_shell(space: InstallSpace) -> None:
     assert simulator.world == "w.sdf"
 
 
+@pytest.mark.slow
 def test_launch_file_that_a_process_launches(space: InstallSpace) -> None:
     nested = "ExecuteProcess(cmd=['gz', 'sim', LaunchConfiguration('w')])"
     nested = f"DeclareLaunchArgument('w', default_value='n.sdf'), {nested}"
@@ -217,6 +220,7 @@ def test_simulators_run_on_however_they_are_started(space: InstallSpace) -> None
         assert len(space.play(f"{gazebo}, {late}").processes) == count
 
 
+@pytest.mark.slow
 def test_launch_file_that_a_process_launches_and_that_is_not_installed(
     space: InstallSpace,
 ) -> None:

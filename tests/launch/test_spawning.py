@@ -89,6 +89,7 @@ def test_topic_and_pose() -> None:
     assert spawn.process.line == 7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("node", "is_given", "launch_argument"),
     [
@@ -367,6 +368,7 @@ GZ_SIM = "IncludeLaunchDescription([FindPackageShare('ros_gz_sim'), '/launch/gz_
 CLASSIC = GZ_SIM.replace("ros_gz_sim", "gazebo_ros").replace("gz_sim.launch", "gazebo.launch")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("actions", "hint"),
     [
@@ -383,6 +385,7 @@ def test_the_spawner_to_add_is_that_of_the_simulator(
     assert (found.hint or "").startswith(hint)
 
 
+@pytest.mark.slow
 def test_a_robot_that_is_only_shown_can_be_tried_by_itself(
     space: InstallSpace, tmp_path: Path
 ) -> None:
@@ -656,6 +659,7 @@ def test_nothing_that_could_be_a_spawner(processes: tuple[Process, ...]) -> None
     assert found.code == "SPN003"
 
 
+@pytest.mark.slow
 def test_file_that_the_text_of_a_request_was_read_from(space: InstallSpace) -> None:
     share = space.add("my_robot", {"r.urdf": '<robot name="r">\n  <link name="a"/>\n</robot>\n'})
     xml = "open(get_package_share_directory('my_robot') + '/r.urdf').read().replace('\"', '\\\\\"')"

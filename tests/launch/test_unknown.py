@@ -24,6 +24,7 @@ def unresolved(plan: LaunchPlan) -> list[tuple[str, str, int | None]]:
     return [(entry.what, entry.why, entry.line) for entry in plan.unresolved]
 
 
+@pytest.mark.slow
 def test_the_configuration_of_moveit(space: InstallSpace) -> None:
     plan = space.play(
         RVIZ.format(
@@ -47,6 +48,7 @@ def test_the_configuration_of_moveit(space: InstallSpace) -> None:
     assert all(entry.line for entry in plan.unresolved)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "end",
     [
@@ -68,6 +70,7 @@ def test_what_is_added_to_an_unknown_description(space: InstallSpace, end: str) 
     assert len(plan.unresolved) >= 2
 
 
+@pytest.mark.slow
 def test_actions_and_what_waits_for_them(space: InstallSpace) -> None:
     plan = space.play(
         "action, RegisterEventHandler(OnProcessExit(target_action=action, on_exit=["
@@ -85,6 +88,7 @@ def test_actions_and_what_waits_for_them(space: InstallSpace) -> None:
     ]
 
 
+@pytest.mark.slow
 def test_texts_conditions_and_paths(space: InstallSpace) -> None:
     plan = space.play(
         "ExecuteProcess(cmd=[X.word, f'{X.word}', str(X.word)]), "
@@ -111,6 +115,7 @@ def test_texts_conditions_and_paths(space: InstallSpace) -> None:
     assert plan.processes[-1].executable == "$(rclpy.program)"
 
 
+@pytest.mark.slow
 def test_whatever_python_does_with_a_value(space: InstallSpace) -> None:
     plan = space.play(
         "ExecuteProcess(cmd=['x'])",
@@ -143,6 +148,7 @@ def test_whatever_python_does_with_a_value(space: InstallSpace) -> None:
     assert len(plan.processes) == 1
 
 
+@pytest.mark.slow
 def test_a_declared_package_has_modules_too(space: InstallSpace) -> None:
     manifest = "<package><name>my_robot</name><exec_depend>their_launch</exec_depend></package>"
     space.add("my_robot", {"package.xml": manifest})
@@ -164,12 +170,14 @@ def test_a_module_that_nobody_knows_is_an_error(space: InstallSpace, module: str
     assert not plan.unresolved
 
 
+@pytest.mark.slow
 def test_an_optional_import_stays_optional(space: InstallSpace) -> None:
     before = "try:\n    import their_launch\nexcept ImportError:\n    their_launch = None"
     plan = space.play("ExecuteProcess(cmd=[str(their_launch)])", before=before)
     assert plan.processes[0].command == ("None",)
 
 
+@pytest.mark.slow
 def test_a_file_whose_path_is_unknown(space: InstallSpace) -> None:
     plan = space.play("", before="import rclpy\nopen(rclpy.file)")
     message = only_message(plan, "LCH024")
@@ -177,6 +185,7 @@ def test_a_file_whose_path_is_unknown(space: InstallSpace) -> None:
     assert plan.diagnostics[0].line == IMPORT + 1
 
 
+@pytest.mark.slow
 def test_a_condition_on_the_output_of_a_command(space: InstallSpace) -> None:
     plan = space.play(
         "ExecuteProcess(cmd=['x'], condition=IfCondition(Command('nproc'))), "
@@ -196,6 +205,7 @@ C = LaunchConfiguration
 """
 
 
+@pytest.mark.slow
 def test_the_actions_of_gazebo(space: InstallSpace) -> None:
     plan = space.play(
         "DeclareLaunchArgument('x', default_value='1.5'), "
@@ -235,6 +245,7 @@ def test_the_actions_of_gazebo(space: InstallSpace) -> None:
     assert spawn.pose_in_world.rpy == (0.0, 0.0, 0.5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("own", [True, False])
 def test_the_actions_of_gazebo_in_a_container(space: InstallSpace, *, own: bool) -> None:
     container = f"use_composition='True', create_own_container={own}, container_name='box'"
@@ -253,6 +264,7 @@ def test_the_actions_of_gazebo_in_a_container(space: InstallSpace, *, own: bool)
     assert simulator.world == "/w/a.sdf"
 
 
+@pytest.mark.slow
 def test_the_actions_of_gazebo_in_xml(space: InstallSpace) -> None:
     text = """<launch><gz_server world_sdf_file="/w/a.sdf"/>
     <gz_spawn_model file="/w/r.sdf" entity_name="r" z="$(eval '1 + 1')"/>
@@ -265,6 +277,7 @@ def test_the_actions_of_gazebo_in_xml(space: InstallSpace) -> None:
     assert plan.processes[0].parameters["z"] == 2
 
 
+@pytest.mark.slow
 def test_an_included_spawner_of_gazebo(space: InstallSpace) -> None:
     plan = space.play(
         "IncludeLaunchDescription([FindPackageShare('ros_gz_sim'), "
@@ -277,6 +290,7 @@ def test_an_included_spawner_of_gazebo(space: InstallSpace) -> None:
     assert spawn.description.startswith("<robot")
 
 
+@pytest.mark.slow
 def test_the_bridge_must_be_given_its_arguments(space: InstallSpace) -> None:
     include = (
         "IncludeLaunchDescription([FindPackageShare('ros_gz_bridge'), "
@@ -292,6 +306,7 @@ def test_the_bridge_must_be_given_its_arguments(space: InstallSpace) -> None:
     assert plan.processes[0].command == ("info",)
 
 
+@pytest.mark.slow
 def test_a_value_stays_unknown_whatever_is_done_with_it(space: InstallSpace) -> None:
     plan = space.play(
         "DeclareLaunchArgument('mode', default_value=X.mode, choices=['a', 'b']), "
@@ -333,6 +348,7 @@ def test_a_value_stays_unknown_whatever_is_done_with_it(space: InstallSpace) -> 
     }
 
 
+@pytest.mark.slow
 def test_what_is_handed_on_as_yaml_or_json(space: InstallSpace) -> None:
     plan = space.play(
         "DeclareLaunchArgument('dump', default_value=yaml.dump(X.config())), "
@@ -356,6 +372,7 @@ def test_what_is_handed_on_as_yaml_or_json(space: InstallSpace) -> None:
     assert plan.processes[0].command == command
 
 
+@pytest.mark.slow
 def test_a_loop_over_the_characters_of_what_is_unknown_ends(space: InstallSpace) -> None:
     plan = space.play(
         "OpaqueFunction(function=f), ExecuteProcess(cmd=['goes on'])",
@@ -372,6 +389,7 @@ def test_a_loop_over_the_characters_of_what_is_unknown_ends(space: InstallSpace)
     assert [one.code for one in plan.diagnostics] == ["LCH024"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("line", ["text.split(':')[1]", "json.loads(text)", "table[text]"])
 def test_what_only_the_known_value_could_do(space: InstallSpace, line: str) -> None:
     plan = space.play(
@@ -391,6 +409,7 @@ def test_what_only_the_known_value_could_do(space: InstallSpace, line: str) -> N
     assert diagnostic.code == "LCH024"
 
 
+@pytest.mark.slow
 def test_a_mistake_beside_a_value_that_is_not_known(space: InstallSpace) -> None:
     before = "import rclpy as X\n\ndef f(context):\n    value = X.y\n    return [vlue, value]"
     plan = space.play("OpaqueFunction(function=f)", before=before)
@@ -398,6 +417,7 @@ def test_a_mistake_beside_a_value_that_is_not_known(space: InstallSpace) -> None
     assert plan.diagnostics[0].code != "LCH024"
 
 
+@pytest.mark.slow
 def test_what_an_unknown_description_starts(space: InstallSpace) -> None:
     plan = space.play(
         "generate_demo_launch()",
@@ -406,6 +426,7 @@ def test_what_an_unknown_description_starts(space: InstallSpace) -> None:
     assert STARTS_UNKNOWN in [entry.why for entry in plan.unresolved]
 
 
+@pytest.mark.slow
 def test_all_names_of_an_absent_module(space: InstallSpace) -> None:
     plan = space.play(
         "generate_demo_launch(), OpaqueFunction(function=f)",

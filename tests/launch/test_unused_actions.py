@@ -49,6 +49,7 @@ def missing_from(plan: LaunchPlan) -> list[Diagnostic]:
     return [*find_simulator(plan)[1], *not_spawned, *missing]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "code"), [("gazebo", "SPN001"), ("spawner", "SPN003"), ("publisher", "SPN008")]
 )
@@ -62,6 +63,7 @@ def test_action_that_is_not_added(space: InstallSpace, name: str, code: str) -> 
     assert f"add_action({name})" in (found.hint or "")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "unused",
     [
@@ -79,11 +81,13 @@ def test_an_unused_action_for_another_thing_is_not_blamed(space: InstallSpace, u
     assert [(one.code, one.line) for one in found] == [("SPN001", None), ("SPN003", None)]
 
 
+@pytest.mark.slow
 def test_all_are_added(space: InstallSpace) -> None:
     plan = without(space, "nothing")
     assert not missing_from(plan)
 
 
+@pytest.mark.slow
 def test_what_is_missing_for_another_reason(space: InstallSpace) -> None:
     plan = space.play("Node(package='rviz2', executable='rviz2')", before="a = LogInfo(msg='')")
     assert [found.line for found in missing_from(plan)] == [None, None]

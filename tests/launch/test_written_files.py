@@ -18,6 +18,7 @@ ROBOT = """<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="r">
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "process",
     [
@@ -41,6 +42,7 @@ def test_what_xacro_writes(
     assert not Path(file).exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("word", "count"), [("'size:=', rclpy.size", 1), ("'-', rclpy.size", 0)])
 def test_arguments_that_are_unknown(space: InstallSpace, word: str, count: int) -> None:
     model = space.add("my_robot", {"model/r.xacro": ROBOT}) / "model" / "r.xacro"
@@ -54,6 +56,7 @@ def test_arguments_that_are_unknown(space: InstallSpace, word: str, count: int) 
     assert any("xacro" in entry.what for entry in plan.unresolved)
 
 
+@pytest.mark.slow
 def test_the_launch_file_can_read_what_it_writes(space: InstallSpace, tmp_path: Path) -> None:
     model = space.add("my_robot", {"model/r.xacro": ROBOT}) / "model" / "r.xacro"
     plan = space.play(
@@ -68,12 +71,14 @@ def test_the_launch_file_can_read_what_it_writes(space: InstallSpace, tmp_path: 
     assert not any(Path(file).exists() for file in plan.written)
 
 
+@pytest.mark.slow
 def test_a_xacro_file_that_cannot_be_expanded(space: InstallSpace) -> None:
     model = space.add("my_robot", {"model/r.xacro": "<robot name='${no}'/>"}) / "model" / "r.xacro"
     plan = space.play(f"ExecuteProcess(cmd=['xacro', '-o', 'r.urdf', '{model}'])")
     assert "'no' is not defined" in only_message(plan, "LCH008")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "end",
     [

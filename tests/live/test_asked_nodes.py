@@ -327,6 +327,7 @@ def test_a_container_is_given_all_of_a_node(
     ]
 
 
+@pytest.mark.slow
 def test_what_a_missing_manager_of_nodes_means_is_reported(launch: Callable[..., Launch]) -> None:
     run = launch(
         """

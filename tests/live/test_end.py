@@ -66,6 +66,7 @@ def test_ctrl_c_ends_all_and_is_no_failure(launch: Callable[..., Launch]) -> Non
     assert not any(map(is_alive, pids))
 
 
+@pytest.mark.slow
 def test_what_does_not_end_is_reported_again_and_killed(launch: Callable[..., Launch]) -> None:
     run = launch(STUBBORN, arguments={"kill": "0.3"})
     run.wait_for("ready")
@@ -92,6 +93,7 @@ def test_what_does_not_end_is_reported_again_and_killed(launch: Callable[..., La
     assert "exit code -9" in run.output
 
 
+@pytest.mark.slow
 def test_a_launch_that_is_terminated_ends_its_processes_in_order(
     launch: Callable[..., Launch],
 ) -> None:
@@ -103,6 +105,7 @@ def test_a_launch_that_is_terminated_ends_its_processes_in_order(
     assert not any(map(is_alive, pids))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("victim", ["wsgen", "guard", "service"])
 def test_nothing_outlives_a_process_that_is_killed(
     launch: Callable[..., Launch], victim: str
@@ -118,6 +121,7 @@ def test_nothing_outlives_a_process_that_is_killed(
     run.wait()
 
 
+@pytest.mark.slow
 def test_a_second_terminal_may_be_closed(launch: Callable[..., Launch]) -> None:
     run = launch(WITH_GRANDCHILD)
     pids = _wait_for_grandchildren(run)

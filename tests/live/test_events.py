@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from live_launch import Launch
 
 
+@pytest.mark.slow
 def test_processes_start_print_and_end_in_the_words_of_launch(
     launch: Callable[..., Launch],
 ) -> None:
@@ -45,6 +46,7 @@ def test_processes_start_print_and_end_in_the_words_of_launch(
         assert line in numbers.splitlines()
 
 
+@pytest.mark.slow
 def test_handlers_get_what_happens_in_order(launch: Callable[..., Launch]) -> None:
     run = launch(
         """
@@ -76,6 +78,7 @@ def test_handlers_get_what_happens_in_order(launch: Callable[..., Launch]) -> No
     assert said == ["started", "heard written", "first-1 0 0", "complete", "later", "over: idle"]
 
 
+@pytest.mark.slow
 def test_conditions_and_commands_are_those_of_this_moment(launch: Callable[..., Launch]) -> None:
     run = launch(
         """
@@ -96,6 +99,7 @@ def test_conditions_and_commands_are_those_of_this_moment(launch: Callable[..., 
     assert "b" not in run.output.replace("[node-1] ", "").split()
 
 
+@pytest.mark.slow
 def test_a_process_is_started_as_it_is_written(launch: Callable[..., Launch]) -> None:
     code = (
         "import os, sys; print(os.getcwd(), os.environ.get('A'), sys.argv[1:], sys.stdin.isatty())"
@@ -116,6 +120,7 @@ def test_a_process_is_started_as_it_is_written(launch: Callable[..., Launch]) ->
         assert line in run.lines
 
 
+@pytest.mark.slow
 def test_a_node_gets_its_name_namespace_parameters_and_remappings(
     launch: Callable[..., Launch],
 ) -> None:
@@ -172,6 +177,7 @@ def test_a_process_is_respawned_after_the_delay_as_often_as_is_wanted(
     assert all(later - earlier > 0.4 for earlier, later in pairwise(times))
 
 
+@pytest.mark.slow
 def test_the_end_of_a_process_can_be_the_end_of_all(launch: Callable[..., Launch]) -> None:
     run = launch(
         """
@@ -187,6 +193,7 @@ def test_the_end_of_a_process_can_be_the_end_of_all(launch: Callable[..., Launch
     assert "never" not in run.output
 
 
+@pytest.mark.slow
 def test_another_run_in_the_same_domain_is_named(launch: Callable[..., Launch]) -> None:
     body = "return LaunchDescription([python('pass')])"
     run = launch(body, beside="rover run.launch.py")
@@ -195,6 +202,7 @@ def test_another_run_in_the_same_domain_is_named(launch: Callable[..., Launch]) 
     assert run.output.count(said) == 1
 
 
+@pytest.mark.slow
 def test_until_a_program_ends(launch: Callable[..., Launch]) -> None:
     body = """
         return LaunchDescription([
@@ -206,6 +214,7 @@ def test_until_a_program_ends(launch: Callable[..., Launch]) -> None:
     assert launch(body % 2, until_exit="goal").wait() == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("wanted", "goal"),
     [
@@ -263,6 +272,7 @@ def test_seconds_of_the_wall_clock_wait_for_a_simulator_that_is_to_come(
     assert "later" in run.output
 
 
+@pytest.mark.slow
 def test_without_a_simulator_the_clock_on_the_wall_is_that_of_the_simulation(
     launch: Callable[..., Launch],
 ) -> None:
@@ -271,11 +281,13 @@ def test_without_a_simulator_the_clock_on_the_wall_is_that_of_the_simulation(
     assert launch(body).wait() == 0
 
 
+@pytest.mark.slow
 def test_seconds_of_the_wall_clock(launch: Callable[..., Launch]) -> None:
     run = launch("return LaunchDescription([ExecuteProcess(cmd=['sleep', '100'])])", seconds=0.3)
     assert run.wait() == 0
 
 
+@pytest.mark.slow
 def test_signals_and_ends_that_the_launch_file_wants(launch: Callable[..., Launch]) -> None:
     run = launch(
         """
@@ -304,6 +316,7 @@ while True:
     assert "[INFO] [node-1]: sending signal 'SIGINT' to process[node-1]" in run.lines
 
 
+@pytest.mark.slow
 def test_who_ends_by_a_signal_of_the_launch_file_has_not_failed(
     launch: Callable[..., Launch],
 ) -> None:
@@ -339,6 +352,7 @@ def test_who_ends_by_a_signal_of_the_launch_file_has_not_failed(
     assert [one.name.rpartition("-")[0] for one in journal.failed] == ["crashes"]
 
 
+@pytest.mark.slow
 def test_a_coroutine_sleeps_while_the_launch_goes_on(launch: Callable[..., Launch]) -> None:
     run = launch(
         """
@@ -362,6 +376,7 @@ def test_a_coroutine_sleeps_while_the_launch_goes_on(launch: Callable[..., Launc
     assert run.output.index("meanwhile") < run.output.index("awake")
 
 
+@pytest.mark.slow
 def test_an_exception_ends_the_launch_in_order(launch: Callable[..., Launch]) -> None:
     run = launch(
         """

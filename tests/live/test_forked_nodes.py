@@ -107,6 +107,7 @@ class _Started:
         return self.forked.returncode
 
 
+@pytest.mark.slow
 def test_a_program_has_its_words_variables_streams_session_and_exit_code(
     begin: Callable[..., _Started], modules: Path
 ) -> None:
@@ -118,6 +119,7 @@ def test_a_program_has_its_words_variables_streams_session_and_exit_code(
     assert not is_alive(started.forked.pid)
 
 
+@pytest.mark.slow
 def test_ps_shows_what_a_program_is(begin: Callable[..., _Started]) -> None:
     started = begin("wait")
     started.forked.stdin.write(b"\n")
@@ -130,6 +132,7 @@ def test_ps_shows_what_a_program_is(begin: Callable[..., _Started]) -> None:
     assert "KeyboardInterrupt" in started.errors.read()
 
 
+@pytest.mark.slow
 def test_a_program_has_its_session_when_its_start_is_reported(
     begin: Callable[..., _Started],
 ) -> None:
@@ -139,6 +142,7 @@ def test_a_program_has_its_session_when_its_start_is_reported(
         assert started.wait() == -signal.SIGINT
 
 
+@pytest.mark.slow
 def test_programs_that_are_killed_are_noticed_one_by_one(begin: Callable[..., _Started]) -> None:
     one, other = begin("ignore"), begin("ignore")
     one.forked.stdin.write(b"\n")
@@ -149,6 +153,7 @@ def test_programs_that_are_killed_are_noticed_one_by_one(begin: Callable[..., _S
     assert other.wait() == -signal.SIGTERM
 
 
+@pytest.mark.slow
 def test_programs_end_with_their_server(begin: Callable[..., _Started]) -> None:
     started = begin("ignore")
     started.forked.stdin.write(b"\n")

@@ -28,6 +28,7 @@ RVIZ = """
         """
 
 
+@pytest.mark.slow
 def test_what_cannot_run_is_named_once_and_left_out(launch: Callable[..., Launch]) -> None:
     run = launch(RVIZ)
     assert run.wait() == 0
@@ -38,18 +39,21 @@ def test_what_cannot_run_is_named_once_and_left_out(launch: Callable[..., Launch
     assert "[node-4] there" in run.lines
 
 
+@pytest.mark.slow
 def test_a_launch_of_which_all_is_left_out_has_failed(launch: Callable[..., Launch]) -> None:
     run = launch("return LaunchDescription([Node(package='rviz2', executable='rviz2')])")
     assert run.wait() == 4
     assert "[ERROR] [launch]: nothing has run: all that the launch file starts" in run.output
 
 
+@pytest.mark.slow
 def test_windows_of_gazebo_are_not_missed(launch: Callable[..., Launch]) -> None:
     run = launch("return LaunchDescription([ExecuteProcess(cmd=['gzclient'])])")
     assert run.wait() == 0
     assert "[ERROR]" not in run.output
 
 
+@pytest.mark.slow
 def test_an_own_program_that_is_not_built_ends_the_launch_as_in_ros(
     launch: Callable[..., Launch], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -81,12 +85,14 @@ def test_a_window_of_sliders_is_the_plain_publisher_and_told() -> None:
     assert find_replacement(name, name, (), is_sourced=True) is None
 
 
+@pytest.mark.slow
 def test_strict_makes_it_an_error(launch: Callable[..., Launch]) -> None:
     run = launch(RVIZ, is_strict=True)
     assert run.wait() == 1
     assert "[ERROR] [launch]: rviz2 of rviz2 cannot run: " in run.output
 
 
+@pytest.mark.slow
 def test_a_program_that_does_not_exist_ends_nothing_else(launch: Callable[..., Launch]) -> None:
     run = launch(
         """
@@ -190,6 +196,7 @@ def test_other_programs_run_themselves() -> None:
     assert find_replacement(None, "bash", (), is_sourced=False) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("is_strict", [False, True])
 def test_nodes_for_containers_are_named_and_the_container_is_not(
     launch: Callable[..., Launch], is_strict: bool
@@ -228,6 +235,7 @@ def test_containers_of_a_sourced_ros_load_all_but_what_asks_for_gazebo() -> None
         assert bridge == ("ros_gz_bridge", "bridge_node")
 
 
+@pytest.mark.slow
 def test_what_ros2_launch_starts_of_packages_that_are_not_installed(
     launch: Callable[..., Launch],
 ) -> None:

@@ -72,6 +72,7 @@ def test_a_message_that_a_package_does_not_have(tmp_path: Path) -> None:
     assert missing_name(line.replace(str(file), "\0").encode()) is None
 
 
+@pytest.mark.slow
 def test_a_message_that_no_package_has_is_named_once(
     launch: Callable[..., Launch], tmp_path: Path
 ) -> None:
@@ -104,6 +105,7 @@ def test_only_the_end_of_a_traceback_counts() -> None:
     assert missing_module(b"[WARN] ModuleNotFoundError: No module named 'a'") is None
 
 
+@pytest.mark.slow
 def test_a_node_that_is_older_than_numpy(launch: Callable[..., Launch]) -> None:
     said = explain_numpy("2.4", Path("/py"))
     assert "/py -m pip install 'numpy<2.4'" in said
@@ -126,6 +128,7 @@ def test_a_node_that_is_older_than_numpy(launch: Callable[..., Launch]) -> None:
     assert hint.startswith("[ERROR] [old-1]: NumPy 2.4 and later refuse")
 
 
+@pytest.mark.slow
 def test_a_node_that_dies_for_a_module_gets_one_hint(launch: Callable[..., Launch]) -> None:
     run = launch(
         """

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 BOTH = "import sys; print('out'); sys.stderr.write('err\\n')"
 
 
+@pytest.mark.slow
 def test_output_goes_where_launch_sends_it(launch: Callable[..., Launch]) -> None:
     run = launch(
         f"""
@@ -62,6 +63,7 @@ def test_a_format_that_fails_is_named_once(launch: Callable[..., Launch], form: 
     assert "process has finished cleanly" in run.output
 
 
+@pytest.mark.slow
 def test_a_handler_that_fails_keeps_no_process_from_ending(launch: Callable[..., Launch]) -> None:
     run = launch(
         """
@@ -80,6 +82,7 @@ def test_a_handler_that_fails_keeps_no_process_from_ending(launch: Callable[...,
     assert "no such thing" in run.output
 
 
+@pytest.mark.slow
 def test_a_process_that_prints_without_end_is_named_and_keeps_nobody_waiting(
     launch: Callable[..., Launch],
 ) -> None:
@@ -117,6 +120,7 @@ def test_a_screen_that_nobody_reads_keeps_no_process_running(launch: Callable[..
     assert run.wait() == 0
 
 
+@pytest.mark.slow
 def test_long_lines_and_lines_without_end(launch: Callable[..., Launch]) -> None:
     run = launch(
         """
@@ -197,6 +201,7 @@ def test_a_screen_that_does_not_wait_is_waited_for() -> None:
     os.close(theirs)
 
 
+@pytest.mark.slow
 def test_the_last_lines_are_written_as_long_as_somebody_reads_them() -> None:
     ours, theirs = os.pipe()
     screen = Screen(theirs, is_colored=False)
@@ -232,6 +237,7 @@ def test_lines_that_nobody_reads_are_given_up() -> None:
         os.close(end)
 
 
+@pytest.mark.slow
 def test_nodes_run_where_logs_cannot_be_kept(tmp_path: Path) -> None:
     (tmp_path / "logs").write_text("a file in the place of the folder")
     run = Launch(

@@ -89,6 +89,7 @@ def _no_robot(shown: list[Diagnostic]) -> Diagnostic:
     return found
 
 
+@pytest.mark.slow
 def test_robots_may_be_spawned_at_run_time(
     prepared: Callable[..., Prepared], shown: list[Diagnostic]
 ) -> None:
@@ -97,6 +98,7 @@ def test_robots_may_be_spawned_at_run_time(
     assert _no_robot(shown).severity is Severity.INFO
 
 
+@pytest.mark.slow
 def test_a_spawner_that_is_forgotten_is_an_error(
     prepared: Callable[..., Prepared], shown: list[Diagnostic]
 ) -> None:
@@ -105,6 +107,7 @@ def test_a_spawner_that_is_forgotten_is_an_error(
     assert _no_robot(shown).severity is Severity.ERROR
 
 
+@pytest.mark.slow
 def test_an_argument_without_effect_is_reported(
     prepared: Callable[..., Prepared], shown: list[Diagnostic]
 ) -> None:
@@ -113,6 +116,7 @@ def test_an_argument_without_effect_is_reported(
     assert (found.element, found.line) == ("wrold", None)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("result", ["0", "1"])
 def test_a_build_that_failed_is_reported(
     prepared: Callable[..., Prepared], shown: list[Diagnostic], tmp_path: Path, result: str
@@ -132,6 +136,7 @@ def test_a_build_that_failed_is_reported(
 MOVEIT = "from moveit_configs_utils.launches import generate_demo_launch"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("is_strict", [False, True])
 def test_a_launch_file_that_starts_nothing_without_a_module(
     prepared: Callable[..., Prepared], *, is_strict: bool
@@ -160,6 +165,7 @@ def test_what_comes_from_an_absent_module_is_left_out(
         prepared("generate_demo_launch(),", NODE, before=MOVEIT, is_strict=True)
 
 
+@pytest.mark.slow
 def test_an_absent_module_of_which_nothing_is_needed(
     prepared: Callable[..., Prepared], shown: list[Diagnostic]
 ) -> None:

@@ -101,6 +101,7 @@ def test_a_description_becomes_what_an_engine_takes(preparer: Preparer) -> None:
     assert preparer.shown == []  # type: ignore[attr-defined]
 
 
+@pytest.mark.slow
 def test_what_is_wrong_with_a_description_is_answered_and_shown_once(preparer: Preparer) -> None:
     text = ROBOT.replace(
         "</robot>",

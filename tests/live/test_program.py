@@ -174,6 +174,7 @@ def test_a_run_that_is_prepared_is_found(tmp_path: Path, monkeypatch: pytest.Mon
         assert found_runs() == [("0", "/share/rover/run.launch.py", "")]
 
 
+@pytest.mark.slow
 def test_scripts_find_a_ros2(tmp_path: Path) -> None:
     program = write_ros2(tmp_path, Path(sys.executable)) / "ros2"
     helped = subprocess.run([program, "run", "--help"], capture_output=True, text=True, check=True)

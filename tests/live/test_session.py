@@ -242,6 +242,7 @@ sys.stdin.read()
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("word", "expected"), [("busy", True), ("idle", False)])
 def test_a_process_that_computes_is_at_work(word: str, *, expected: bool) -> None:
     child = subprocess.Popen(
@@ -304,6 +305,7 @@ def test_who_waits_for_a_core_is_waited_for(machine: Machine) -> None:
     assert machine.now == pytest.approx(0.8, abs=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [1.0, 0.25, 0.0])
 def test_who_never_sleeps_is_waited_for_no_longer(machine: Machine, share: float) -> None:
     machine.share = share
@@ -601,6 +603,7 @@ def test_why_the_process_with_rclpy_has_ended_is_what_it_has_printed(tmp_path: P
     assert "No module named 'rclpy'" in caught.value.hint
 
 
+@pytest.mark.slow
 def test_a_simulator_that_is_gone_is_an_error(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(session, "SECONDS_TO_END", 0.1)
     rig.session.start()
@@ -609,6 +612,7 @@ def test_a_simulator_that_is_gone_is_an_error(rig: Rig, monkeypatch: pytest.Monk
         rig.session.run_for(3.0)
 
 
+@pytest.mark.slow
 def test_a_simulator_that_hangs_is_an_error(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     rig.session.start()
     monkeypatch.setattr(session, "SECONDS_WITHOUT_ANSWER", 0.1)
@@ -617,6 +621,7 @@ def test_a_simulator_that_hangs_is_an_error(rig: Rig, monkeypatch: pytest.Monkey
         rig.session.run_for(3.0)
 
 
+@pytest.mark.slow
 def test_a_pause_without_end_is_an_error(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     rig.session.start()
     monkeypatch.setattr(session, "SECONDS_AT_REST", 0.1)
@@ -632,6 +637,7 @@ def test_a_robot_that_does_not_come_is_an_error(rig: Rig, monkeypatch: pytest.Mo
         rig.session.start()
 
 
+@pytest.mark.slow
 def test_a_robot_of_nodes_is_waited_for(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(session, "SECONDS_TO_SPAWN", 0.2)
     rig.session.start()
@@ -643,6 +649,7 @@ def test_a_robot_of_nodes_is_waited_for(rig: Rig, monkeypatch: pytest.MonkeyPatc
         rig.session.wait_for_robot("arm")
 
 
+@pytest.mark.slow
 def test_a_robot_that_is_assumed_may_have_another_name(rig: Rig) -> None:
     rig.session.entities, rig.session.assumed = (), ("truck",)
     rig.session.start()

@@ -115,6 +115,7 @@ def test_what_a_program_prints_need_not_be_a_file(
     assert f"line 2 of {source}" in (explain_source([(link, 2)], shares) or "")
 
 
+@pytest.mark.slow
 def test_the_source_of_a_mistake_is_named_once(
     launch: Callable[..., Launch], tmp_path: Path
 ) -> None:
@@ -172,6 +173,7 @@ return LaunchDescription([
 """
 
 
+@pytest.mark.slow
 def test_who_has_died_by_itself_is_noted(launch: Callable[..., Launch], tmp_path: Path) -> None:
     run = launch(ENDS.format(mark=str(tmp_path / "mark")))
     for name in ("again-1", "fine-5"):

@@ -208,6 +208,7 @@ def test_an_effect_that_is_missing_is_reported(tmp_path: Path) -> None:
     assert "`#other`" in found.message
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("chain", ["sampler", "image"])
 def test_a_texture_of_collada(tmp_path: Path, chain: str) -> None:
     picture(tmp_path / "image.png")
@@ -492,6 +493,7 @@ def test_dense_meshes_stay_whole(tmp_path: Path) -> None:
         assert surface_of(part.path).normals is None
 
 
+@pytest.mark.slow
 def test_looks_come_out_of_the_child(tmp_path: Path) -> None:
     picture(tmp_path / "image.png")
     text = mesh_samples.colored_dae(mesh_samples.RED, mesh_samples.TEXTURED)

@@ -270,6 +270,7 @@ def test_a_name_counts_with_its_capitals(tmp_path: Path, monkeypatch: pytest.Mon
         read_mesh(file)
 
 
+@pytest.mark.slow
 def test_the_reader_is_loaded_without_the_library() -> None:
     script = "import sys, wsgen.descriptions.meshes.worker as _; print('trimesh' in sys.modules)"
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True)

@@ -263,6 +263,7 @@ def test_what_is_seen_of_a_heightmap_is_moved_by_its_offset(tmp_path: Path) -> N
     assert link.collisions[0].geometry == link.visuals[0].geometry
 
 
+@pytest.mark.slow
 def test_large_images_are_thinned_out(tmp_path: Path) -> None:
     pixels = np.add.outer(np.arange(1025), np.arange(1025)).astype(np.uint8)
     shape = Heightmap(uri="h", path=image(tmp_path, pixels), size=(1025, 1025, 1), line=4)

@@ -91,6 +91,7 @@ def reported(outcome: CheckOutcome) -> list[tuple[str, str, int | None]]:
     return [(one.name, one.file.name if one.file else "", one.line) for one in outcome.diagnostics]
 
 
+@pytest.mark.slow
 def test_a_sound_package(tmp_path: Path) -> None:
     outcome = run(write_package(tmp_path))
     assert outcome.diagnostics == ()
@@ -105,6 +106,7 @@ def test_a_misspelled_target_is_refused(tmp_path: Path) -> None:
     assert "Did you mean `jazzy`?" in (refused.value.hint or "")
 
 
+@pytest.mark.slow
 def test_the_description_may_come_from_a_launch_file_that_is_not_here(tmp_path: Path) -> None:
     package = write_package(tmp_path)
     (package / "launch" / "spawn.launch.py").write_text(
@@ -124,6 +126,7 @@ def test_the_description_may_come_from_a_launch_file_that_is_not_here(tmp_path: 
     assert [one.severity.value for one in found] == ["info"]
 
 
+@pytest.mark.slow
 def test_a_mistake_is_at_the_line_of_the_source(tmp_path: Path) -> None:
     package = write_package(tmp_path, urdf='<mass value="2"/> -> <mass value="-2"/>')
     outcome = run(tmp_path)
@@ -132,6 +135,7 @@ def test_a_mistake_is_at_the_line_of_the_source(tmp_path: Path) -> None:
     assert not outcome.passed
 
 
+@pytest.mark.slow
 def test_a_file_of_a_package_is_checked_with_it(tmp_path: Path) -> None:
     package = write_package(
         tmp_path, urdf='<mass value="2"/> -> <mass value="-2"/>', package="Apache -> "
@@ -141,6 +145,7 @@ def test_a_file_of_a_package_is_checked_with_it(tmp_path: Path) -> None:
     assert reported(run(package / "launch" / "cart.launch.py")) == []
 
 
+@pytest.mark.slow
 def test_of_two_packages_one_is_meant(tmp_path: Path) -> None:
     write_package(tmp_path, "cart", urdf='<mass value="2"/> -> <mass value="-2"/>')
     other = write_package(tmp_path, "other", launch="'@PKG@' -> 'cart'")
@@ -212,6 +217,7 @@ def test_what_a_command_may_give_is_not_surely_missing(
     assert found.severity.value == severity
 
 
+@pytest.mark.slow
 def test_a_world_that_is_missing_is_an_error(tmp_path: Path) -> None:
     text = (
         "from launch import LaunchDescription\n"
@@ -300,6 +306,7 @@ def test_a_folder_that_is_not_installed(tmp_path: Path) -> None:
         assert f"{tmp_path}/{prefix}/share/cart/urdf/cart.urdf" in found.message
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "text",
     [
@@ -319,6 +326,7 @@ def test_what_the_build_may_install_is_not_reported(tmp_path: Path, text: str) -
     assert [one for one in reported(run(tmp_path)) if one[0] != "folder-not-installed"] == []
 
 
+@pytest.mark.slow
 def test_programs_and_modules_of_a_package(tmp_path: Path) -> None:
     package = write_package(
         tmp_path,
@@ -352,6 +360,7 @@ def test_what_no_engine_simulates_is_an_information(tmp_path: Path) -> None:
     }
 
 
+@pytest.mark.slow
 def test_a_file_that_another_program_writes_is_not_missing(tmp_path: Path) -> None:
     package = write_package(tmp_path)
     (package / "launch" / "made.launch.py").write_text(
@@ -365,6 +374,7 @@ def test_a_file_that_another_program_writes_is_not_missing(tmp_path: Path) -> No
     assert [(one.severity.value, one.line) for one in found] == [("warning", 3)]
 
 
+@pytest.mark.slow
 def test_a_mistake_in_xacro_is_reported_once(tmp_path: Path) -> None:
     package = write_package(tmp_path, launch="cart.urdf -> cart.urdf.xacro")
     (package / "urdf" / "cart.urdf").rename(package / "urdf" / "cart.urdf.xacro")
@@ -447,6 +457,7 @@ def generate_launch_description():
 """
 
 
+@pytest.mark.slow
 def test_a_device_that_is_not_attached_is_no_mistake(tmp_path: Path) -> None:
     file = tmp_path / "robot.launch.py"
     file.write_text(ATTACHED)
@@ -482,6 +493,7 @@ def test_modules_that_others_install(tmp_path: Path) -> None:
     assert only(other, "launch-import") == [("launch-import", "error")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "severity"),
     [
@@ -502,6 +514,7 @@ def test_names_of_the_launch_api_that_are_misspelled(
     assert only(package, "unsupported-launch-api") == [("unsupported-launch-api", severity)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "severity"), [("crat", "error"), ("customer_arm", "warning")])
 def test_the_package_of_a_mesh_that_is_misspelled(tmp_path: Path, name: str, severity: str) -> None:
     box, mesh = '<box size="1 1 0.2"/>', f'<mesh filename="package://{name}/meshes/a.stl"/>'
@@ -533,6 +546,7 @@ def generate_launch_description():
 """
 
 
+@pytest.mark.slow
 def test_what_is_refused_because_an_argument_is_empty(tmp_path: Path) -> None:
     package = write_package(tmp_path)
     file = package / "launch" / "cart.launch.py"
@@ -547,6 +561,7 @@ def test_what_is_refused_because_an_argument_is_empty(tmp_path: Path) -> None:
 XACRO = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="{}">\n{}\n</robot>\n'
 
 
+@pytest.mark.slow
 def test_a_xacro_file_whose_arguments_somebody_gives(tmp_path: Path) -> None:
     package = write_package(tmp_path)
     include = '<xacro:include filename="$(find cart)/urdf/$(arg model)_arm.xacro"/>'
@@ -556,6 +571,7 @@ def test_a_xacro_file_whose_arguments_somebody_gives(tmp_path: Path) -> None:
         assert only(package, "xacro-file-fails") == [("xacro-file-fails", severity)]
 
 
+@pytest.mark.slow
 def test_a_part_of_a_robot_names_links_of_the_file_that_includes_it(tmp_path: Path) -> None:
     package = write_package(tmp_path)
     joint = (
@@ -577,6 +593,7 @@ def test_a_part_of_a_robot_names_links_of_the_file_that_includes_it(tmp_path: Pa
     assert ("unknown-link", "error") in only(package, "unknown-link")
 
 
+@pytest.mark.slow
 def test_of_two_packages_with_one_name_each_finds_its_own_files(tmp_path: Path) -> None:
     first, second = (write_package(tmp_path / name) for name in ("a", "b"))
     include = '<xacro:include filename="$(find cart)/urdf/{}.xacro"/>'
@@ -625,6 +642,7 @@ def test_what_is_no_robot_or_world_of_this_gazebo(tmp_path: Path) -> None:
     assert only(package, "no-world") == [("no-world", "info")]
 
 
+@pytest.mark.slow
 def test_what_worlds_have_elsewhere_or_download(tmp_path: Path) -> None:
     package = write_package(tmp_path)
     mesh = "<link name='a'><collision name='c'><geometry><mesh><uri>{}</uri></mesh></geometry>"
@@ -656,6 +674,7 @@ def test_what_worlds_have_elsewhere_or_download(tmp_path: Path) -> None:
     assert sorted({severity for _, severity in found}) == ["info", "warning"]
 
 
+@pytest.mark.slow
 def test_a_launch_file_that_another_package_includes(tmp_path: Path) -> None:
     package = write_package(tmp_path)
     spawn = package / "launch" / "spawn.launch.py"
@@ -675,6 +694,7 @@ def test_a_launch_file_that_another_package_includes(tmp_path: Path) -> None:
     assert only(package, "unpublished-description") == [("unpublished-description", "info")]
 
 
+@pytest.mark.slow
 def test_a_package_of_catkin_finds_its_source(tmp_path: Path) -> None:
     package = write_package(tmp_path, **{"package.xml": "ament_cmake</build -> catkin</build"})
     (package / "xacro").mkdir()
@@ -689,6 +709,7 @@ def test_a_package_of_catkin_finds_its_source(tmp_path: Path) -> None:
     assert only(package, "refused-by-launch", "ros-1-launch-file") == []
 
 
+@pytest.mark.slow
 def test_hardware_that_depends_on_an_argument(tmp_path: Path) -> None:
     package = write_package(tmp_path)
     body = URDF.partition("\n")[2].rpartition("</robot>")[0]
@@ -764,6 +785,7 @@ def test_a_robot_that_is_for_rviz_alone(tmp_path: Path) -> None:
     assert only(package, "dropped-link") == [("dropped-link", "warning")]
 
 
+@pytest.mark.slow
 def test_two_packages_of_one_name(tmp_path: Path) -> None:
     """colcon builds nothing then."""
     package = write_package(tmp_path)

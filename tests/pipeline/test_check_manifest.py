@@ -84,6 +84,7 @@ def test_a_sound_package(tmp_path: Path) -> None:
     assert codes(tmp_path, package=DECLARED).keys() <= {"LCH046"}
 
 
+@pytest.mark.slow
 def test_what_launch_files_look_up_is_reported_once(tmp_path: Path) -> None:
     found = codes(tmp_path)
     assert found["LCH045"] == ("demo.launch.py", 8)
@@ -184,6 +185,7 @@ def test_each_dependency_of_a_generated_package(golden: str, tmp_path: Path) -> 
         assert [one for one in found if one.line == line and one.code in {"PKG068", "PKG069"}]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "severity"), [("demo_mission", "warning"), ("demo_visoin", "error")]
 )
@@ -201,6 +203,7 @@ def test_a_package_of_another_workspace_is_none_that_is_misspelled(
     assert found.severity.value == severity
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "severity"), [("arm", "warning"), ("wrold", "error")])
 def test_a_configuration_that_who_includes_the_launch_file_may_set(
     name: str, severity: str, tmp_path: Path
@@ -251,6 +254,7 @@ INCLUDE = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("actions", "severities"),
     [
@@ -279,6 +283,7 @@ def test_a_configuration_that_who_starts_the_launch_file_gives(
     assert [one.severity.value for one in found] == severities
 
 
+@pytest.mark.slow
 def test_a_configuration_that_a_launch_file_of_another_package_gives(tmp_path: Path) -> None:
     codes(tmp_path)
     source = tmp_path / "src"
@@ -294,6 +299,7 @@ def test_a_configuration_that_a_launch_file_of_another_package_gives(tmp_path: P
     assert found.severity.value == "info"
 
 
+@pytest.mark.slow
 def test_a_configuration_that_is_declared_too_late(tmp_path: Path) -> None:
     codes(tmp_path)
     first, use, end = INNER.partition("        LogInfo(msg=LaunchConfiguration('robot')),\n")
@@ -307,6 +313,7 @@ def test_a_configuration_that_is_declared_too_late(tmp_path: Path) -> None:
     assert "Did you mean" not in (found.hint or "")
 
 
+@pytest.mark.slow
 def test_a_circle_of_packages_is_reported_once(tmp_path: Path) -> None:
     codes(tmp_path)
     source = tmp_path / "src"

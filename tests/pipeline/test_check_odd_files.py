@@ -113,6 +113,7 @@ def test_more_of_xml_than_anybody_writes(tmp_path: Path, name: str) -> None:
         shutil.rmtree(tmp_path / "arm")
 
 
+@pytest.mark.slow
 def test_xacro_makes_no_tree_of_what_is_nested_without_end(tmp_path: Path) -> None:
     write_package(tmp_path, "ament_cmake")
     (tmp_path / "urdf" / "a.xacro").write_text(f'<robot name="a">{DEEP}</robot>')

@@ -84,6 +84,7 @@ def generate_launch_description():
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("file", "codes"), [("launch/a.yaml", set()), ("b.yaml", {"LCH005"})])
 def test_a_package_whose_name_is_computed_is_found(
     packages: dict[str, PackageFolder], file: str, codes: set[str]

@@ -183,6 +183,7 @@ def test_corners_are_merged_and_what_has_no_area_is_left_out() -> None:
     assert isinstance(mesh, Triangles)
 
 
+@pytest.mark.slow
 def test_the_robot_keeps_more_than_the_world(tmp_path: Path) -> None:
     file = tmp_path / "ball.npy"
     np.save(file, np.round(ball(60), 6).astype(np.float32).transpose(2, 1, 0))

@@ -186,6 +186,7 @@ def test_names_are_unique() -> None:
     assert [case.get("name") for case in root[0]] == ["c", "c (2)", "c"]
 
 
+@pytest.mark.slow
 @given(st.text(max_size=30))
 def test_any_text_is_xml(text: str) -> None:
     failure = Failure(message=text, kind=text, text=text)

@@ -258,6 +258,7 @@ def test_it_is_valid_html(name: str) -> None:
         assert image.get("alt")
 
 
+@pytest.mark.slow
 def test_what_users_write_is_text() -> None:
     page = page_of(EVERYTHING)
     scripts = elements(page, "script")
@@ -274,6 +275,7 @@ def test_characters_that_cannot_be_shown() -> None:
     assert mark_code("<i> `a<b` `\x00`") == "&lt;i&gt; <code>a&lt;b</code> <code>␀</code>"
 
 
+@pytest.mark.slow
 def test_nothing_is_loaded_from_anywhere() -> None:
     page = page_of(EVERYTHING)
     for one in parse(page).iter():
@@ -409,6 +411,7 @@ def test_the_area_in_which_a_behavior_has_to_end_is_seen_from_its_start(
         assert (min(corners), max(corners)) == pytest.approx((low, high), abs=0.005)
 
 
+@pytest.mark.slow
 def test_of_a_behavior_that_fails_the_page_shows_motion_and_what_was_printed() -> None:
     failed = BehaviorOutcome(
         name=HOSTILE, task=LaunchTask(travels=1.0), passed=False, seconds=2.5, printed=(HOSTILE,)
@@ -433,6 +436,7 @@ def test_nothing_to_plot_is_no_data() -> None:
     assert pack_package(FAILED, clean) is None
 
 
+@pytest.mark.slow
 def test_a_video_becomes_a_part_of_the_page(tmp_path: Path) -> None:
     for name, tag in (("video.gif", "img"), ("video.mp4", "video")):
         (tmp_path / name).write_bytes(b"1234")

@@ -336,6 +336,7 @@ def test_live_runs_read_all_parameters(name: str, monkeypatch: pytest.MonkeyPatc
     assert asked == PLUGINS[name].parameters.keys()
 
 
+@pytest.mark.slow
 def test_sensors_take_the_plugins_that_are_known_and_read_their_parameters(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -540,6 +540,7 @@ def _program(monkeypatch: pytest.MonkeyPatch) -> Any:
     return program
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("is_recorded", [False, True])
 def test_time_is_slow_until_the_recorder_has_found_the_topics(
     monkeypatch: pytest.MonkeyPatch, *, is_recorded: bool

@@ -198,6 +198,7 @@ def test_a_car_that_is_steered_alone(by_actuator: bool) -> None:
         assert found["right_steer"] == pytest.approx(math.atan(way / (ahead + side)), abs=2e-3)
 
 
+@pytest.mark.slow
 def test_a_car_of_classic_drives_a_curve() -> None:
     """By gazebo_ros_pkgs, gazebo_plugins/src/gazebo_ros_ackermann_drive.cpp.
 
@@ -318,6 +319,7 @@ def test_a_mecanum_drive_without_a_wheelbase_does_not_work() -> None:
         assert "its <wheelbase> is -0.4. Write a length in meters" in ros.warnings[0]
 
 
+@pytest.mark.slow
 def test_a_mecanum_drive_turns_its_wheels() -> None:
     """By gz-sim, src/systems/mecanum_drive/MecanumDrive.cc, and its odometry by gz-math."""
     content = (

@@ -93,6 +93,7 @@ def test_lookups_are_products_of_matrices(
     assert frames.said == []
 
 
+@pytest.mark.slow
 @given(vectors, vectors, quaternions, quaternions, st.floats(0, 1))
 def test_between_two_times_a_transform_is_interpolated(
     start: Vector, end: Vector, turn: Quaternion, other: Quaternion, ratio: float

@@ -129,6 +129,7 @@ def test_arguments_that_may_be_read(tmp_path: Path) -> None:
     assert not list(launch_files.unused_declared_arguments(with_include))
 
 
+@pytest.mark.slow
 def test_launch_files_of_ros_1(tmp_path: Path) -> None:
     space = InstallSpace(tmp_path / "install")
     file = tmp_path / "a.launch"

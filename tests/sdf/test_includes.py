@@ -270,6 +270,7 @@ def test_a_circle_of_includes(read: Read, models: Path) -> None:
     assert [link.name for link in robot.links] == ["l", "b::l"]
 
 
+@pytest.mark.slow
 def test_a_ladder_of_includes(read: Read, models: Path) -> None:
     for i in range(300):
         content = f"{LINK}<include><uri>model://m{i + 1}</uri></include>"

@@ -129,6 +129,7 @@ def frames_of(model: SdfModel, robot: Robot) -> dict[str, Pose]:
     return frames
 
 
+@pytest.mark.slow
 def test_there_is_something_to_compare() -> None:
     assert len(shipped()) > 10
 

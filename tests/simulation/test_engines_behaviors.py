@@ -110,6 +110,7 @@ def test_joints_of_gazebo_sim_keep_their_speed_limit(new_engine: NewEngine) -> N
     assert classic.moved[0] == pytest.approx(1.0, rel=0.05)
 
 
+@pytest.mark.slow
 def test_an_arm_holds_and_reaches(new_engine: NewEngine) -> None:
     held, reached = simulated(new_engine, arm(), reach(j1=0.0), reach(j1=-0.5, j2=0.8), at=Pose())
     assert held.positions == {

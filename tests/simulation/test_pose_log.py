@@ -1,6 +1,8 @@
 import io
 from pathlib import Path
 
+import pytest
+
 from wsgen.model.robot import Box, Collision, Link, Robot
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
@@ -47,6 +49,7 @@ def test_frames_come_back(tmp_path: Path) -> None:
     assert file.read_text().count('"box"') == 4
 
 
+@pytest.mark.slow
 def test_a_writer_that_is_killed_leaves_whole_frames(tmp_path: Path) -> None:
     text = written({"rover": rover(0.0)}, {"rover": rover(0.5)})
     file = tmp_path / "poses.jsonl"

@@ -211,6 +211,7 @@ def test_warnings_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     assert warning.message.endswith("warned: b3Warning: no")
 
 
+@pytest.mark.slow
 def test_warnings_are_reported_without_their_colors(tmp_path: Path) -> None:
     pytest.importorskip("dartpy")
     mesh = tmp_path / "part.obj"
@@ -250,6 +251,7 @@ def test_a_video_shows_behaviors(tmp_path: Path) -> None:
     assert video.frames > video.frames_per_second * 2.5
 
 
+@pytest.mark.slow
 def test_an_engine_that_dies_of_a_behavior_runs_the_others() -> None:
     behavior_runs = (drive(linear=0.5), drive(linear=0.7))
     played = replace(scene(robot()), behavior_runs=behavior_runs)

@@ -121,6 +121,7 @@ def test_the_interval_has_the_truth(case: str) -> None:
     assert hits >= 0.9 * seeds
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", ["logistic", "a step and 5 % by chance", "a coarse grid"])
 def test_the_interval_mostly_has_the_truth(case: str) -> None:
     hits, found = covered(case, range(1000, 1000 + SOME), 150)
@@ -153,6 +154,7 @@ def test_the_interval_is_not_idle() -> None:
     assert border.high - border.low < 2 * 1.96 * deviation * 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [12, 60, 300])
 def test_chance_shows_no_border(count: int) -> None:
     seeds = range(100 if count < 100 else SOME)

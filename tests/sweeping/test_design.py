@@ -93,6 +93,7 @@ def test_a_seed_gives_these_values_everywhere(sampler: str) -> None:
     assert ([found[0], found[2]], digest(drawn(sampler, 5000))) == GOLDEN[sampler]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sampler", SAMPLERS)
 def test_samples_follow_their_distributions(sampler: str) -> None:
     found = rows(drawn(sampler, 4096))
@@ -120,6 +121,7 @@ def test_variants_do_not_depend_on_the_order_they_are_asked_for(sampler: str) ->
     assert [variants.variant(number) for number in numbers] == [forward[one] for one in numbers]
 
 
+@pytest.mark.slow
 def test_threads_share_the_variants() -> None:
     variants = Variants(drawn("sobol", 16_384))
     expected = list(Variants(drawn("sobol", 16_384)))
@@ -150,6 +152,7 @@ def test_seeds_and_names_give_other_values() -> None:
     assert all(one["u"] != one["v"] for one in rows(Design(distributions=twins, samples=20)))
 
 
+@pytest.mark.slow
 def test_a_million_variants_are_not_held() -> None:
     axes = read_axes(["a=0:1:1000"])
     design = make_design(axes, read_distributions(["m=normal(1,2)"]), samples=1000)
@@ -224,6 +227,7 @@ def test_a_grid_loads_neither_numpy_nor_scipy() -> None:
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
+@pytest.mark.slow
 @given(
     st.lists(st.integers(1, 4), min_size=0, max_size=4),
     st.integers(1, 5),

@@ -124,6 +124,7 @@ def test_curves_over_one_parameter() -> None:
     ]
 
 
+@pytest.mark.slow
 def test_a_fine_grid_has_the_result_of_each_run() -> None:
     chart, _ = chart_of(over_one(301))
     assert chart.panels[0].line_low == ()
@@ -138,6 +139,7 @@ def test_noise_is_not_drawn() -> None:
     assert [panel.y.label for panel in chart.panels] == ["passed, %", "drift, m"]
 
 
+@pytest.mark.slow
 def test_shares_of_samples_have_intervals() -> None:
     chart, _ = chart_of(over_one(400, is_random=True))
     share = chart.panels[0]
@@ -275,6 +277,7 @@ def test_pictures(data: TableData) -> None:
     assert hashlib.sha256(draw_png(chart_of(data)[0])).digest() == hashlib.sha256(png).digest()
 
 
+@pytest.mark.slow
 def test_dollars_are_no_formulas() -> None:
     column = Column(name="a$\\alpha_{$b", kind="text", is_parameter=True)
     chart, _ = chart_of(make_table({column: ["$x$", "$\\frac{$"]}, [True, False]))

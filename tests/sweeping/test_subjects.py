@@ -110,6 +110,7 @@ def as_validated(subject: Subject, outcome: object) -> None:
 # Files
 
 
+@pytest.mark.slow
 def test_a_xacro_file_has_its_arguments_and_those_of_what_it_includes(tower: Path) -> None:
     with opened(file=tower) as subject:
         assert subject.own_names == ("height", "mass")
@@ -123,12 +124,14 @@ def test_a_xacro_file_has_its_arguments_and_those_of_what_it_includes(tower: Pat
         assert (text.entity, '<mass value="4"/>' in text.text) == ("tower", True)
 
 
+@pytest.mark.slow
 def test_arguments_stay_where_they_do_not_vary(tower: Path) -> None:
     with opened(file=tower, launch_arguments={"mass": "7"}) as subject:
         assert mass_of(subject.prepare({"height": 0.3})) == 7.0
         assert mass_of(subject.prepare({"mass": 1})) == 1.0
 
 
+@pytest.mark.slow
 def test_a_required_argument_is_a_parameter(tower: Path) -> None:
     tower.write_text(XACRO.replace('<xacro:arg name="height" default="0.5"/>', ""))
     with opened(file=tower) as subject:
@@ -137,6 +140,7 @@ def test_a_required_argument_is_a_parameter(tower: Path) -> None:
         assert mass_of(subject.prepare({"height": 1})) == 2.0
 
 
+@pytest.mark.slow
 def test_a_variant_that_does_not_expand_says_why(tower: Path) -> None:
     with opened(file=tower) as subject:
         broken = subject.prepare({"mass": "heavy"})
@@ -146,6 +150,7 @@ def test_a_variant_that_does_not_expand_says_why(tower: Path) -> None:
         assert codes_of(subject.prepare({"mass": 1.25}))
 
 
+@pytest.mark.slow
 def test_an_unknown_argument_is_refused(tower: Path) -> None:
     with opened(file=tower) as subject:
         with pytest.raises(RequestError, match=r"The file tower\.urdf\.xacro has no") as caught:
@@ -190,6 +195,7 @@ def test_requests_that_name_nothing_or_too_much(tower: Path) -> None:
 # What is kept
 
 
+@pytest.mark.slow
 def test_blueprints_are_kept_by_their_values(tower: Path) -> None:
     with opened(file=tower, kept=2) as subject:
         first = subject.prepare({"mass": 1})
@@ -266,6 +272,7 @@ def test_meshes_are_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
         assert all(path.is_file() for path in meshes_of(one))
 
 
+@pytest.mark.slow
 def test_threads_share_a_subject(tower: Path) -> None:
     with opened(file=tower) as subject:
         found: dict[int, list[Blueprint]] = {}
@@ -322,6 +329,7 @@ def test_the_digest_is_of_all_files_and_of_what_stays(tower: Path, tmp_path: Pat
 # Templates
 
 
+@pytest.mark.slow
 def test_a_template_has_its_variables() -> None:
     with opened(template="diff_drive") as subject:
         parameters = {one.name: one for one in subject.parameters}
@@ -440,6 +448,7 @@ def test_launch_arguments_vary(tmp_path: Path) -> None:
         opened(package="crane_description", workspace=place).__enter__()
 
 
+@pytest.mark.slow
 def test_an_argument_that_only_the_source_has(tmp_path: Path) -> None:
     name, index = "cart", "share/ament_index/resource_index/packages"
     launch = """from launch import LaunchDescription

@@ -169,6 +169,7 @@ def test_polars_knows_the_types_where_the_first_rows_have_no_diagnostic(file: Pa
     assert frame["diagnostic"].to_list() == [""] * 201 + ["SPN001 falls"] * 99
 
 
+@pytest.mark.slow
 def test_arrays_have_what_was_written(file: Path) -> None:
     data = read_table(write(file))
     assert data.runs == data.count == RUNS

@@ -23,6 +23,7 @@ def test_golden(case: str, tmp_path: Path, regenerate: bool) -> None:
     assert (GOLDENS / case / "COLCON_IGNORE").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", ["simple-humble-classic", "arm-rolling-gz"])
 def test_a_golden_of_differences_is_completed(case: str, tmp_path: Path) -> None:
     workspace = generate(tmp_path, *arguments(*CASES[case]))

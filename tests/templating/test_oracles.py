@@ -351,6 +351,7 @@ def test_urdfdom_and_gazebo_read_the_robot(urdf: Path) -> None:
     assert len(list(model.iter("model"))) == 1
 
 
+@pytest.mark.slow
 def test_no_comment_of_the_robot_has_a_colon_and_a_blank(urdf: Path) -> None:
     """gazebo_ros2_control passes the robot on as a parameter override, which that breaks."""
     for comment in re.findall(r"<!--.*?-->", urdf.read_text(), re.DOTALL):

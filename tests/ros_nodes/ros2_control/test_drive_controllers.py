@@ -76,6 +76,7 @@ def heading(made: Controlled) -> float:
     return yaw_of(made.robot.state().xyzw)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("is_former", [False, True])
 def test_a_car_drives_a_curve(is_former: bool) -> None:
     """As steering_controllers_library/src/steering_kinematics.cpp has it, 0.5 m/s on 2 m."""
@@ -136,6 +137,7 @@ def test_commands_for_the_steering_and_back() -> None:
     assert bicycle.commands(1.0, 0.2, steered=0.1, waits=True) == ([2.0], [math.atan(0.4)])
 
 
+@pytest.mark.slow
 def test_old_commands_and_wrong_parameters_are_refused() -> None:
     from wsgen.live.nodes.simulator.ros2_control.controllers.base import (  # noqa: PLC0415
         ControllerError,
@@ -162,6 +164,7 @@ def test_old_commands_and_wrong_parameters_are_refused() -> None:
             pass
 
 
+@pytest.mark.slow
 def test_a_mecanum_controller_turns_its_wheels() -> None:
     """As mecanum_drive_controller has it, with the base beside the middle of the wheels."""
     wheels = ("front_left", "front_right", "rear_right", "rear_left")
@@ -208,6 +211,7 @@ def test_a_mecanum_controller_turns_its_wheels() -> None:
         assert abs(made.robot.joint_velocities()["rear_left"]) < 0.05
 
 
+@pytest.mark.slow
 def test_a_mecanum_controller_begins_from_a_standstill_after_a_timeout() -> None:
     wheels = ("front_left", "front_right", "rear_right", "rear_left")
     parameters = {
@@ -270,6 +274,7 @@ TRIKE_MEASURES: dict[str, Any] = {
 }
 
 
+@pytest.mark.slow
 def test_a_tricycle_drives_a_curve() -> None:
     """As tricycle_controller/src/tricycle_controller.cpp has it."""
     with controlled(TRIKE, TRICYCLE, TRIKE_MEASURES, OF_TRIKE) as made:
@@ -320,6 +325,7 @@ def test_a_tricycle_ignores_commands_that_are_no_numbers() -> None:
         assert made.controller.interfaces.commands["wheel/velocity"] == pytest.approx(4.0)
 
 
+@pytest.mark.slow
 def test_limits_of_a_tricycle() -> None:
     limits = {
         "traction.max_velocity": 3.0,
