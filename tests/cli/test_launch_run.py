@@ -305,6 +305,7 @@ def test_what_to_do_after_a_run_is_said_on_a_terminal(  # noqa: PLR0917  the cas
     (tmp_path / "empty.launch.py").write_text("")
 
     def run_launch(*_: Any, ended: Any, **_more: Any) -> int:
+        monkeypatch.setenv("COLUMNS", "300")
         monkeypatch.setattr(sys.stderr, "isatty", lambda: is_terminal)
         ended(RunEnd(has_simulator=True, unheard=unheard))
         return 0
@@ -357,6 +358,7 @@ def test_what_has_died_is_corrected_before_a_robot_is_driven(
     (tmp_path / "empty.launch.py").write_text("")
 
     def run_launch(*_: Any, ended: Any, **_more: Any) -> int:
+        monkeypatch.setenv("COLUMNS", "300")
         monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
         ended(RunEnd(has_simulator=True, unheard={"/cmd_vel": TWIST}, failed=tuple(failed)))
         return 0
@@ -373,6 +375,7 @@ def test_what_shows_a_run_is_installed_first(
     (tmp_path / "empty.launch.py").write_text("")
 
     def run_launch(*_: Any, ended: Any, **_more: Any) -> int:
+        monkeypatch.setenv("COLUMNS", "300")
         monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
         ended(RunEnd(has_simulator=True))
         return 0
