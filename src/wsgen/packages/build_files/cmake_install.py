@@ -7,7 +7,7 @@ import posixpath
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from wsgen.packages.build_files.cmake_text import (
     UNQUOTED,
@@ -21,7 +21,7 @@ from wsgen.text.suggestions import nearest
 from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from wsgen.packages.build_files.cmake import Reader
     from wsgen.packages.build_files.cmake_text import Mention
@@ -88,7 +88,6 @@ def _install(reader: Reader, mention: Mention) -> None:
 
 
 def _install_files(reader: Reader, mention: Mention, kind: str, words: Sequence[Argument]) -> None:
-
     names: list[Argument] = []
     given: dict[str, list[Argument]] = {}
     patterns: list[tuple[str, str, bool]] = []
@@ -113,23 +112,18 @@ def _install_files(reader: Reader, mention: Mention, kind: str, words: Sequence[
         place = given["TYPE"][0]
         destination = _folder_of_type(reader, place.text)
     rename = given.get("RENAME") or []
-    reader.rules.append(
-        InstallRule(
-            kind=kind,
-            names=tuple((name, reader.path_of(name.text)) for name in names),
-            destination=destination,
-            place=place,
-            file=mention.file,
-            call=mention.call,
-            folder=reader.folder,
-            is_certain=mention.is_certain,
-            in_tests=mention.in_tests,
-            is_optional="OPTIONAL" in given or "CONFIGURATIONS" in given,
-            rename=rename[0].text if rename else "",
-            patterns=tuple(patterns),
-            matching_only="FILES_MATCHING" in given,
-            runnable=_runnable(kind, given),
-        )
+    _add_rule(
+        reader,
+        mention,
+        kind,
+        ((name, reader.path_of(name.text)) for name in names),
+        destination,
+        place=place,
+        is_optional="OPTIONAL" in given or "CONFIGURATIONS" in given,
+        rename=rename[0].text if rename else "",
+        patterns=tuple(patterns),
+        matching_only="FILES_MATCHING" in given,
+        runnable=_runnable(kind, given),
     )
 
 
@@ -159,7 +153,6 @@ _ARTIFACTS = frozenset(
 
 
 def _install_targets(reader: Reader, mention: Mention) -> None:
-
     names: list[Argument] = []
     places: dict[str, Argument] = {}
     artifact, is_first = "", True
@@ -184,20 +177,15 @@ def _install_targets(reader: Reader, mention: Mention) -> None:
         artifact = {"executable": "RUNTIME", "static": "ARCHIVE"}.get(kind, "LIBRARY")
         default = "bin" if kind == "executable" else "lib"
         place = places.get(artifact) or places.get("")
-        reader.rules.append(
-            InstallRule(
-                kind="TARGETS",
-                names=((name, _file_of(reader, name.text, kind)),),
-                destination=place.text if place else default,
-                place=place,
-                file=mention.file,
-                call=mention.call,
-                folder=reader.folder,
-                is_certain=mention.is_certain,
-                in_tests=mention.in_tests,
-                rename=kind,
-                runnable="all",
-            )
+        _add_rule(
+            reader,
+            mention,
+            "TARGETS",
+            [(name, _file_of(reader, name.text, kind))],
+            place.text if place else default,
+            place=place,
+            rename=kind,
+            runnable="all",
         )
 
 
@@ -208,31 +196,26 @@ def _file_of(reader: Reader, target: str, kind: str) -> str:
     return f"lib{name}.a" if kind == "static" else f"lib{name}.so"
 
 
-def _add_rule(  # noqa: PLR0913  an install rule of a command of ament
+def _add_rule(
     reader: Reader,
     mention: Mention,
     kind: str,
-    names: Sequence[tuple[Argument, str]],
-    destination: str,
-    *,
-    rename: str = "",
-    is_optional: bool = False,
+    names: Iterable[tuple[Argument, str]],
+    destination: str | None,
+    **more: Any,
 ) -> None:
-
+    """Note that a call installs; `more` are other fields of the rule."""
     reader.rules.append(
         InstallRule(
             kind=kind,
             names=tuple(names),
             destination=destination,
-            place=None,
             file=mention.file,
             call=mention.call,
             folder=reader.folder,
             is_certain=mention.is_certain,
             in_tests=mention.in_tests,
-            rename=rename,
-            is_optional=is_optional,
-            runnable="all" if kind == "TARGETS" else "none",
+            **more,
         )
     )
 
@@ -252,14 +235,21 @@ def _auto_package(reader: Reader, mention: Mention) -> None:
             file = _file_of(reader, name, target.kind)
             place = folder if target.kind == "executable" else "lib"
             mark_installed(reader, name)
-            _add_rule(reader, mention, "TARGETS", [(first, file)], place, rename=target.kind)
+            _add_rule(
+                reader,
+                mention,
+                "TARGETS",
+                [(first, file)],
+                place,
+                rename=target.kind,
+                runnable="all",
+            )
     for word in found.get("INSTALL_TO_SHARE", ()):
         path = reader.path_of(word.text)
         _add_rule(reader, mention, "DIRECTORY", [(word, path)], f"share/{project}")
 
 
 def _python_package(reader: Reader, mention: Mention) -> None:
-
     first, found = sections(
         mention.arguments,
         {"VERSION", "PACKAGE_DIR", "SETUP_CFG", "DESTINATION", "SCRIPTS_DESTINATION"}

@@ -290,12 +290,12 @@ class InstallRule(NamedTuple):
     kind: str  # DIRECTORY, FILES, PROGRAMS, TARGETS, ...
     names: tuple[tuple[Argument, str], ...]  # each as it is written, and its path or name
     destination: str | None  # relative to the prefix; None: it has none
-    place: Argument | None  # the argument with the destination
     file: Path
     call: Call
     folder: Path  # that paths are relative to
     is_certain: bool  # no condition around it is unknown
     in_tests: bool
+    place: Argument | None = None  # the argument with the destination
     is_optional: bool = False
     rename: str = ""
     # PATTERN or REGEX, its text, and whether it excludes.

@@ -113,9 +113,13 @@ class Evaluator:
     def _run(self, body: Sequence[ast.stmt], names: dict[str, Any]) -> None:
         for one in body:
             self._count()
-            method = _STATEMENTS.get(type(one))
+            method = self._method_for(one)
             if method is not None:
-                getattr(self, method)(one, names)
+                method(one, names)
+
+    def _method_for(self, node: ast.AST) -> Callable[[Any, dict[str, Any]], Any] | None:
+        """The method that evaluates a node, which is called like its class; None: none does."""
+        return getattr(self, f"_{type(node).__name__.lower()}", None)
 
     def _count(self) -> None:
         self._steps += 1
@@ -127,11 +131,11 @@ class Evaluator:
         for target in node.targets:
             self._bind(target, value, names)
 
-    def _annotated(self, node: ast.AnnAssign, names: dict[str, Any]) -> None:
+    def _annassign(self, node: ast.AnnAssign, names: dict[str, Any]) -> None:
         if node.value is not None:
             self._bind(node.target, self.evaluate(node.value, names), names)
 
-    def _augmented(self, node: ast.AugAssign, names: dict[str, Any]) -> None:
+    def _augassign(self, node: ast.AugAssign, names: dict[str, Any]) -> None:
         load = ast.copy_location(_as_load(node.target), node.target)
         before, more = self.evaluate(load, names), self.evaluate(node.value, names)
         if isinstance(node.op, ast.Add) and isinstance(before, list):
@@ -195,7 +199,7 @@ class Evaluator:
             top = one.name.partition(".")[0]
             names[one.asname or top] = Reference(one.name if one.asname else top)
 
-    def _import_from(self, node: ast.ImportFrom, names: dict[str, Any]) -> None:
+    def _importfrom(self, node: ast.ImportFrom, names: dict[str, Any]) -> None:
         for one in node.names:
             names[one.asname or one.name] = Reference(f"{node.module}.{one.name}")
             if one.name == "*":
@@ -204,28 +208,30 @@ class Evaluator:
                     if module == node.module:
                         names[name] = Reference(known)
 
-    def _define(self, node: ast.FunctionDef, names: dict[str, Any]) -> None:
+    def _functiondef(self, node: ast.FunctionDef, names: dict[str, Any]) -> None:
         names[node.name] = Function(node, names)
 
-    def _class(self, node: ast.ClassDef, names: dict[str, Any]) -> None:
+    def _classdef(self, node: ast.ClassDef, names: dict[str, Any]) -> None:
         names[node.name] = UNKNOWN
 
     def _return(self, node: ast.Return, names: dict[str, Any]) -> None:
         raise _ReturnError(self.evaluate(node.value, names) if node.value else None)
 
-    def _expression(self, node: ast.Expr, names: dict[str, Any]) -> None:
+    def _expr(self, node: ast.Expr, names: dict[str, Any]) -> None:
         self.evaluate(node.value, names)
 
-    def _leave_loop(self, node: ast.Break | ast.Continue, names: dict[str, Any]) -> None:
+    def _break(self, node: ast.Break | ast.Continue, names: dict[str, Any]) -> None:
         raise _LoopError(is_break=isinstance(node, ast.Break))
 
     # Expressions.
 
+    _continue = _break
+
     def evaluate(self, node: ast.expr, names: dict[str, Any]) -> Any:
         """The value of an expression."""
         self._count()
-        method = _EXPRESSIONS.get(type(node))
-        return UNKNOWN if method is None else getattr(self, method)(node, names)
+        method = self._method_for(node)
+        return UNKNOWN if method is None else method(node, names)
 
     @staticmethod
     def truth(value: Any) -> bool | None:
@@ -255,7 +261,7 @@ class Evaluator:
             return getattr(value, node.attr)
         return UNKNOWN
 
-    def _sequence(self, node: ast.List | ast.Tuple | ast.Set, names: dict[str, Any]) -> Any:
+    def _list(self, node: ast.List | ast.Tuple | ast.Set, names: dict[str, Any]) -> Any:
         values: list[Any] = []
         for one in node.elts:
             if isinstance(one, ast.Starred):
@@ -268,6 +274,8 @@ class Evaluator:
         row = Row(values)
         row.line = node.lineno
         return row
+
+    _tuple = _set = _list
 
     def _dict(self, node: ast.Dict, names: dict[str, Any]) -> Any:
         found: dict[Any, Any] = {}
@@ -282,7 +290,7 @@ class Evaluator:
                 found[name] = content
         return found
 
-    def _joined(self, node: ast.JoinedStr, names: dict[str, Any]) -> Any:
+    def _joinedstr(self, node: ast.JoinedStr, names: dict[str, Any]) -> Any:
         parts: list[str] = []
         for one in node.values:
             inner = one.value if isinstance(one, ast.FormattedValue) else one
@@ -294,7 +302,7 @@ class Evaluator:
         text.line = node.lineno
         return text
 
-    def _binary(self, node: ast.BinOp, names: dict[str, Any]) -> Any:
+    def _binop(self, node: ast.BinOp, names: dict[str, Any]) -> Any:
         left, right = self.evaluate(node.left, names), self.evaluate(node.right, names)
         value = _operate(node.op, left, right)
         if type(value) is str:
@@ -302,7 +310,7 @@ class Evaluator:
             value.line = line_of(left, node.lineno)
         return value
 
-    def _boolean(self, node: ast.BoolOp, names: dict[str, Any]) -> Any:
+    def _boolop(self, node: ast.BoolOp, names: dict[str, Any]) -> Any:
         value: Any = UNKNOWN
         for one in node.values:
             value = self.evaluate(one, names)
@@ -311,7 +319,7 @@ class Evaluator:
                 return value
         return value
 
-    def _unary(self, node: ast.UnaryOp, names: dict[str, Any]) -> Any:
+    def _unaryop(self, node: ast.UnaryOp, names: dict[str, Any]) -> Any:
         value = self.evaluate(node.operand, names)
         if isinstance(node.op, ast.Not):
             test = self.truth(value)
@@ -328,7 +336,7 @@ class Evaluator:
         except TypeError:
             return UNKNOWN
 
-    def _choice(self, node: ast.IfExp, names: dict[str, Any]) -> Any:
+    def _ifexp(self, node: ast.IfExp, names: dict[str, Any]) -> Any:
         test = self.truth(self.evaluate(node.test, names))
         if test is None:
             return UNKNOWN
@@ -348,7 +356,7 @@ class Evaluator:
         except (TypeError, KeyError, IndexError, ValueError):
             return UNKNOWN
 
-    def _comprehension(
+    def _listcomp(
         self, node: ast.ListComp | ast.SetComp | ast.GeneratorExp, names: dict[str, Any]
     ) -> Any:
         found: list[Any] = []
@@ -356,7 +364,9 @@ class Evaluator:
             found.append(self.evaluate(node.elt, inner))  # noqa: PERF401  it may change
         return found
 
-    def _dict_comprehension(self, node: ast.DictComp, names: dict[str, Any]) -> Any:
+    _setcomp = _generatorexp = _listcomp
+
+    def _dictcomp(self, node: ast.DictComp, names: dict[str, Any]) -> Any:
         found: dict[Any, Any] = {}
         for inner in self._rows(node.generators, {**names}):
             key = self.evaluate(node.key, inner)
