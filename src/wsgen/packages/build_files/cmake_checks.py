@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.build_facts import RequiredPackage
     from wsgen.packages.build_files.cmake import Reader
-    from wsgen.packages.build_files.cmake_text import Call, SyntaxMistake
+    from wsgen.packages.build_files.cmake_text import Call
 
 
 CMAKE_SYNTAX = Rule(
@@ -311,7 +311,7 @@ LACKS = frozenset({"lyrical", "rolling"})
 
 def check_commands(reader: Reader, build_type: str) -> Iterator[Diagnostic]:
     """Check what a CMakeLists.txt calls, but for what it installs."""
-    yield from syntax(reader.mistake, reader.open_block, reader.name)
+    yield from syntax(reader)
     if reader.mistake is None and reader.open_block is None:
         wrong = [*misspelled(reader)]
         is_meant = any(did_you_mean("ament_package") == found.hint for found in wrong)
@@ -328,22 +328,34 @@ def check_commands(reader: Reader, build_type: str) -> Iterator[Diagnostic]:
     yield from keywords(reader)
 
 
-def syntax(
-    mistake: tuple[Path, SyntaxMistake] | None,
-    block: tuple[Path, Call | None, Call | None] | None,
-    package: str,
-) -> Iterator[Diagnostic]:
+def _report(  # noqa: PLR0913  a rule, its place and its words
+    rule: Rule,
+    reader: Reader,
+    place: Mention | tuple[Path, int | None] | int,  # a line of CMakeLists.txt
+    message: str,
+    hint: str,
+    *,
+    severity: Severity | None = None,
+) -> Diagnostic:
+    """Report a rule about the package at a place."""
+    if isinstance(place, int):
+        place = (reader.build_file, place)
+    file, line = (place.file, place.call.line) if isinstance(place, Mention) else place
+    return rule.at(
+        file, line, reader.name, message=f"{reader.name}: {message}", hint=hint, severity=severity
+    )
+
+
+def syntax(reader: Reader) -> Iterator[Diagnostic]:
     """Report where CMake cannot parse a file."""
-    if mistake is not None:
-        file, found = mistake
-        yield CMAKE_SYNTAX.at(
-            file, found.line, package, message=f"{package}: {found.message}", hint=found.hint
-        )
-    elif block is not None:
-        file, opened, closing = block
-        line = (opened or closing).line if opened or closing else None  # type: ignore[union-attr]
-        message, hint = word_block(opened, closing)
-        yield CMAKE_SYNTAX.at(file, line, package, message=f"{package}: {message}", hint=hint)
+    if reader.mistake is not None:
+        file, found = reader.mistake
+        yield _report(CMAKE_SYNTAX, reader, (file, found.line), found.message, found.hint)
+    elif reader.open_block is not None:
+        file, opened, closing = reader.open_block
+        first = opened or closing
+        place = (file, first.line if first else None)
+        yield _report(CMAKE_SYNTAX, reader, place, *word_block(opened, closing))
 
 
 def word_block(opened: Call | None, closing: Call | None) -> tuple[str, str]:
@@ -370,14 +382,7 @@ def project(reader: Reader, build_type: str) -> Iterator[Diagnostic]:
         minimum = reader.mentions.get("cmake_minimum_required", ())
         line = minimum[0].call.line if minimum else None
         if is_ament and not reader.mentions.get("project") and reader.knows_commands:
-            message, hint = word_project(reader.name, line)
-            yield MISSING_PROJECT.at(
-                reader.build_file,
-                line or 1,
-                reader.name,
-                message=f"{reader.name}: {message}",
-                hint=hint,
-            )
+            yield _report(MISSING_PROJECT, reader, line or 1, *word_project(reader.name, line))
         return
     if len(calls) > 1 or not calls[0].is_certain or not calls[0].arguments:
         return
@@ -494,26 +499,20 @@ def ament_package(reader: Reader, build_type: str) -> Iterator[Diagnostic]:
         return
     certain = [one for one in calls if one.is_certain]
     if len(certain) > 1:
-        yield REPEATED_AMENT_PACKAGE.at(
-            certain[1].file,
-            certain[1].call.line,
-            reader.name,
-            message=f"{reader.name}: ament_package() is called again; the first call is in line "
-            f"{certain[0].call.line}.",
-            hint="Call it once, at the end.",
+        yield _report(
+            REPEATED_AMENT_PACKAGE,
+            reader,
+            certain[1],
+            f"ament_package() is called again; the first call is in line {certain[0].call.line}.",
+            "Call it once, at the end.",
         )
     for first in certain[:1]:
         for rule, commands in ((LATE_COMMAND, EXPORTS), (LATE_REGISTRATION, REGISTRATIONS)):
             for command in sorted(commands & reader.mentions.keys()):
                 for mention in reader.mentions[command]:
                     if mention.order > first.order and mention.is_certain:
-                        yield rule.at(
-                            mention.file,
-                            mention.call.line,
-                            reader.name,
-                            message=f"{reader.name}: {_word_late(rule, command)}",
-                            hint=AT_THE_END,
-                        )
+                        message = _word_late(rule, command)
+                        yield _report(rule, reader, mention, message, AT_THE_END)
 
 
 def _word_late(rule: Rule, command: str) -> str:
@@ -543,30 +542,16 @@ def minimum(reader: Reader) -> Iterator[Diagnostic]:
     ]
     if not calls:
         if reader.mentions.get("project") and reader.knows_commands:
-            message, hint = word_missing_minimum()
-            yield MISSING_CMAKE_MINIMUM.at(
-                reader.build_file,
-                1,
-                reader.name,
-                message=f"{reader.name}: {message}",
-                hint=hint,
-                severity=Severity.WARNING,
-            )
+            said = word_missing_minimum()
+            yield _report(MISSING_CMAKE_MINIMUM, reader, 1, *said, severity=Severity.WARNING)
         return
     words = texts(calls[0])
     oldest, _, newest = "".join(words[1:2]).partition("...")
     if not is_known(oldest) or not oldest or not calls[0].is_certain:
         return
     if version(newest or oldest) < OLDEST:
-        message, hint = word_old_minimum(oldest)
-        yield OLD_CMAKE_MINIMUM.at(
-            reader.build_file,
-            calls[0].call.line,
-            reader.name,
-            message=f"{reader.name}: {message}",
-            hint=hint,
-            severity=Severity.WARNING,
-        )
+        said = word_old_minimum(oldest)
+        yield _report(OLD_CMAKE_MINIMUM, reader, calls[0], *said, severity=Severity.WARNING)
 
 
 def languages(reader: Reader) -> Iterator[Diagnostic]:
@@ -577,13 +562,12 @@ def languages(reader: Reader) -> Iterator[Diagnostic]:
             wrong = next((name for name in names if name.upper() in MISNAMED_LANGUAGES), None)
             if wrong is None or not mention.is_certain or _is_described(names, wrong):
                 continue
-            yield UNKNOWN_LANGUAGE.at(
-                mention.file,
-                mention.call.line,
-                reader.name,
-                message=f"{reader.name}: {command}() names the language {wrong}, which CMake does "
-                "not know.",
-                hint=f"Write {MISNAMED_LANGUAGES[wrong.upper()]}.",
+            yield _report(
+                UNKNOWN_LANGUAGE,
+                reader,
+                mention,
+                f"{command}() names the language {wrong}, which CMake does not know.",
+                f"Write {MISNAMED_LANGUAGES[wrong.upper()]}.",
             )
 
 
@@ -599,13 +583,8 @@ def misspelled(reader: Reader) -> Iterator[Diagnostic]:
         first = mention.arguments[0].text if mention.arguments else ""
         meant = meant_form(first)
         if meant != first and mention.is_certain:
-            yield UNKNOWN_COMMAND.at(
-                mention.file,
-                mention.call.line,
-                reader.name,
-                message=f"{reader.name}: CMake does not know install({first} ...), and stops.",
-                hint=did_you_mean(meant),
-            )
+            message = f"CMake does not know install({first} ...), and stops."
+            yield _report(UNKNOWN_COMMAND, reader, mention, message, did_you_mean(meant))
             return
     unknown = [
         mention
@@ -618,14 +597,8 @@ def misspelled(reader: Reader) -> Iterator[Diagnostic]:
         name = mention.call.command
         near = nearest(name, {*COMMANDS, *EVALUATED}, cutoff=SURELY)
         if near is not None and near not in reader.functions and not _has_more_words(name, near):
-            message, hint = word_unknown_command(name, reader.functions)
-            yield UNKNOWN_COMMAND.at(
-                mention.file,
-                mention.call.line,
-                reader.name,
-                message=f"{reader.name}: {message}",
-                hint=hint,
-            )
+            said = word_unknown_command(name, reader.functions)
+            yield _report(UNKNOWN_COMMAND, reader, mention, *said)
 
 
 def without_ament(reader: Reader) -> Iterator[Diagnostic]:
@@ -645,10 +618,8 @@ def without_ament(reader: Reader) -> Iterator[Diagnostic]:
                 )
             ):
                 return
-    message, hint = word_unknown_command("ament_package", reader.functions)
-    yield UNKNOWN_COMMAND.at(
-        first.file, first.call.line, reader.name, message=f"{reader.name}: {message}", hint=hint
-    )
+    said = word_unknown_command("ament_package", reader.functions)
+    yield _report(UNKNOWN_COMMAND, reader, first, *said)
 
 
 def _defines_nothing(words: Sequence[str]) -> bool:
@@ -663,13 +634,8 @@ def unclosed_variables(reader: Reader) -> Iterator[Diagnostic]:
             for argument in mention.call.written:
                 found = UNCLOSED.search(argument.text) if argument.kind != BRACKET else None
                 if found is not None:
-                    yield CMAKE_SYNTAX.at(
-                        mention.file,
-                        argument.line,
-                        reader.name,
-                        message=f"{reader.name}: {word_unclosed(found[0])[0]}",
-                        hint=word_unclosed(found[0])[1],
-                    )
+                    place = (mention.file, argument.line)
+                    yield _report(CMAKE_SYNTAX, reader, place, *word_unclosed(found[0]))
                     return
 
 
