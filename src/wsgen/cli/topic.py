@@ -24,28 +24,18 @@ PROFILES = (
 )
 
 
+OF_QOS = {  # words beside `system_default`, and the help
+    "history": (("keep_last", "keep_all"), "Which messages the queue keeps."),
+    "reliability": (("reliable", "best_effort", "best_available"), "Reliability."),
+    "durability": (("transient_local", "volatile", "best_available"), "Durability."),
+    "liveliness": (("automatic", "manual_by_topic", "best_available"), "Liveliness."),
+}
 QOS_OPTIONS: tuple[Callable[[Function], Function], ...] = (
     click.option("--qos-profile", type=Choice(PROFILES), help="Preset of the QoS."),
     click.option("--qos-depth", type=click.IntRange(0), metavar="N", help="Depth of the queue."),
-    click.option(
-        "--qos-history",
-        type=Choice(("system_default", "keep_last", "keep_all")),
-        help="Which messages the queue keeps.",
-    ),
-    click.option(
-        "--qos-reliability",
-        type=Choice(("system_default", "reliable", "best_effort", "best_available")),
-        help="Reliability.",
-    ),
-    click.option(
-        "--qos-durability",
-        type=Choice(("system_default", "transient_local", "volatile", "best_available")),
-        help="Durability.",
-    ),
-    click.option(
-        "--qos-liveliness",
-        type=Choice(("system_default", "automatic", "manual_by_topic", "best_available")),
-        help="Liveliness.",
+    *(
+        click.option(f"--qos-{name}", type=Choice(("system_default", *words)), help=explained)
+        for name, (words, explained) in OF_QOS.items()
     ),
     click.option(
         "--qos-liveliness-lease-duration-seconds",
@@ -54,6 +44,12 @@ QOS_OPTIONS: tuple[Callable[[Function], Function], ...] = (
         metavar="N",
         help="Lease duration of the liveliness.",
     ),
+)
+FILTER_OPTION = click.option(
+    "--filter",
+    "filter_expression",
+    metavar="EXPRESSION",
+    help="Python expression; `m` is the message.",
 )
 
 
@@ -157,12 +153,7 @@ def show_info(ctx: click.Context, /, *, topic: str, verbose: bool, **shared: Any
 @click.option("--raw", is_flag=True, help="Show the bytes of the messages.")
 @click.option("--once", is_flag=True, help="End after the first message.")
 @click.option("--timeout", type=click.FloatRange(0), metavar="SECONDS", help="End after this time.")
-@click.option(
-    "--filter",
-    "filter_expression",
-    metavar="EXPRESSION",
-    help="Python expression; `m` is the message.",
-)
+@FILTER_OPTION
 @click.option("--no-lost-messages", is_flag=True, help="Do not report lost messages.")
 @click.option("-n", "--node-name", metavar="NAME", help="Name of the node that subscribes.")
 @_qos_options
@@ -187,12 +178,7 @@ def echo(ctx: click.Context, /, *, full_length: bool, **options: Any) -> None:
     metavar="N",
     help="Number of messages from which the rate is computed.",
 )
-@click.option(
-    "--filter",
-    "filter_expression",
-    metavar="EXPRESSION",
-    help="Python expression; `m` is the message.",
-)
+@FILTER_OPTION
 @click.option("--wall-time", is_flag=True, help="Use wall-clock time.")
 @graph_options
 @click.pass_context
