@@ -2,8 +2,9 @@
 
 `dataclasses` compiles nine methods for each frozen class, which takes half a millisecond that every
 command pays for every class that it loads. Here all classes share those that compare, hash, show
-and refuse changes, and a class has its `__init__` compiled when the first object is made: most
-classes that a command loads it does not use. That is a tenth of `wsgen check` and `wsgen validate`.
+and refuse changes, and a class has its `__init__` compiled when the first object is made: half of
+the classes that a command loads it does not use. Of Python 3.11, the 114 of `wsgen check` take 8 ms
+instead of 70, a sixth of the command; of `wsgen validate` it is a tenth.
 
 A `lazy_pattern` is compiled when it is first used.
 """
