@@ -344,7 +344,7 @@ def test_a_video_without_its_encoder_and_a_simulation_without_its_engine(
     built: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(built)
-    monkeypatch.setattr("wsgen.rendering.recording.find_spec", lambda _: None)
+    monkeypatch.setattr("wsgen.rendering.drawing.find_spec", lambda _: None)
     monkeypatch.setattr("wsgen.simulation.run.find_spec", lambda _: None)
     words = ("gazebo_test", "gazebo_model.launch.py", "--play")
     code, _, err = launch(capsys, *words, "--engine", "bullet", "--record", "video.mp4")

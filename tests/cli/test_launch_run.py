@@ -64,7 +64,7 @@ def test_what_makes_no_sense_is_refused(
 def test_a_video_without_its_encoder(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("wsgen.rendering.recording.find_spec", lambda _: None)
+    monkeypatch.setattr("wsgen.rendering.drawing.find_spec", lambda _: None)
     file = tmp_path / "empty.launch.py"
     file.write_text("1 / 0")
     assert run(["launch", str(file), "--run", "--record", str(tmp_path / "x.mp4")]) == 4

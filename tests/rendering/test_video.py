@@ -19,8 +19,8 @@ from wsgen.diagnostics import Severity
 from wsgen.isolation.result import DEFAULT_LIMITS, Answered, Died, Limits
 from wsgen.model.robot import Box, Collision, Inertial, Link, Robot, Visual
 from wsgen.model.transform import Pose
-from wsgen.rendering import recording, video
-from wsgen.rendering.recording import Clip, Recorder, why_no_video
+from wsgen.rendering import drawing, video
+from wsgen.rendering.drawing import Clip, Recorder, why_no_video
 from wsgen.rendering.scene_renderer import SceneRenderer
 from wsgen.simulation.run import run_simulation
 from wsgen.simulation.scene import RECORDING, Picture, Scene, SceneResult, SpawnedRobot, Video
@@ -325,7 +325,7 @@ def test_a_disk_that_is_full(tmp_path: Path) -> None:
 def test_without_the_encoder_an_mp4_is_refused_with_what_to_do(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(recording, "ENCODER", "no_such_encoder")
+    monkeypatch.setattr(drawing, "ENCODER", "no_such_encoder")
     problem = why_no_video(tmp_path / "video.mp4")
     assert problem is not None
     assert "name a .gif" in problem

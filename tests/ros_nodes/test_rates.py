@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wsgen.live.nodes.rates import Rates, one_topic, table
+from wsgen.live.nodes.messages import Rates, one_topic, table
 
 
 def test_a_steady_rate() -> None:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.errors import NotFoundError, RequestError, SessionDiedError
 from wsgen.isolation import parent
-from wsgen.rendering.recording import require_encoder, why_no_video
+from wsgen.rendering.drawing import require_encoder, why_no_video
 from wsgen.ros.environment.processes import module_command
 from wsgen.text.values import dataclass
 

@@ -27,7 +27,7 @@ from wsgen.pipeline.parallel import run_parallel
 from wsgen.pipeline.requests import SelectedPackage
 from wsgen.pipeline.selection import Selection, select_packages
 from wsgen.pipeline.submodules import with_submodules
-from wsgen.rendering.recording import require_encoder, why_no_video
+from wsgen.rendering.drawing import require_encoder, why_no_video
 from wsgen.text.files import irregular_kind
 
 if TYPE_CHECKING:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
     from pathlib import Path
 
-    from wsgen.rendering.recording import Clip, Recorder
+    from wsgen.rendering.drawing import Clip, Recorder
     from wsgen.rendering.render_items import Poses
     from wsgen.rendering.scene_renderer import SceneRenderer
     from wsgen.simulation.scene import Push

@@ -10,7 +10,7 @@ from wsgen.errors import RequestError, WsgenError
 from wsgen.launching.launch_warnings import UNUSED_ARGUMENT
 from wsgen.pipeline.engines import check_engines
 from wsgen.pipeline.load_scene import load_scene
-from wsgen.rendering.recording import why_no_video
+from wsgen.rendering.drawing import why_no_video
 from wsgen.simulation.run import default_engine
 from wsgen.simulation.scene import NotDrawn
 from wsgen.simulation.session import Session

@@ -1,6 +1,7 @@
-"""Messages: their values, given by a user, and their definitions as one text.
+"""Messages: their values, given by a user, their definitions as one text, and how often they come.
 
-A user hears which field does not take which value.
+A user hears which field does not take which value. Rates are computed and printed as
+`ros2 topic hz` does.
 
 Files with recorded messages have the definition of a message with those of all messages in it, so
 that programs without ROS can read them. The format is that of rosbag2 and of the encoding `ros2msg`
@@ -14,7 +15,9 @@ file (ros2/rosidl, rosidl_parser/rosidl_parser/definition.py, class Action).
 from __future__ import annotations
 
 import importlib
+import math
 import re
+from collections import deque
 from typing import TYPE_CHECKING, Any
 
 from wsgen.text.suggestions import ask_for_nearest
@@ -197,3 +200,69 @@ def _read(package: str, name: str, share_of: Callable[[str], Path]) -> str:
         _goal, _result, feedback = _PART.split(file.read_text(encoding="utf-8"))
         return feedback.lstrip()
     return (share / "msg" / f"{name}.msg").read_text(encoding="utf-8")
+
+
+DEFAULT_WINDOW = 10_000  # messages
+
+
+class Rates:
+    """The times between the messages of one topic, seconds."""
+
+    def __init__(self, window: int = DEFAULT_WINDOW) -> None:
+        self._times: deque[float] = deque(maxlen=window)
+        self._last: float | None = None
+        self._is_new = False
+
+    def take(self, now: float) -> bool:
+        """Note a message; False where the time has gone back, and all was forgotten."""
+        if self._last is not None and now < self._last:
+            self._times.clear()
+            self._last = now
+            return False
+        if self._last is not None:
+            self._times.append(now - self._last)
+            self._is_new = True
+        self._last = now
+        return True
+
+    def row(self) -> tuple[str, str, str, str, str] | None:
+        """Rate, shortest and longest time, deviation, number; None where nothing is new."""
+        if not self._is_new:
+            return None
+        self._is_new = False
+        times = list(self._times)
+        mean = sum(times) / len(times)
+        deviation = math.sqrt(sum((time - mean) ** 2 for time in times) / len(times))
+        return (
+            f"{1.0 / mean if mean > 0 else 0.0:.3f}",
+            f"{min(times):.3f}",
+            f"{max(times):.3f}",
+            f"{deviation:.5f}",
+            str(len(times)),
+        )
+
+
+HEADER = ("topic", "rate", "min_delta", "max_delta", "std_dev", "window")
+
+
+def one_topic(row: tuple[str, str, str, str, str]) -> str:
+    """The text for a topic that is measured alone."""
+    rate, shortest, longest, deviation, window = row
+    return (
+        f"average rate: {rate}\n\tmin: {shortest}s max: {longest}s std dev: {deviation}s "
+        f"window: {window}"
+    )
+
+
+def table(rows: list[tuple[str, ...]]) -> str:
+    """The text for several topics, each row with the topic first."""
+    widths = [max(map(len, column)) for column in zip(HEADER, *rows, strict=True)]
+    lines = [
+        "   ".join(text.center(width) for text, width in zip(HEADER, widths, strict=True)),
+        "=" * (sum(widths) + 3 * (len(widths) - 1)),
+        *(
+            "   ".join(text.ljust(width) for text, width in zip(row, widths, strict=True))
+            for row in rows
+        ),
+    ]
+    return "\n".join(lines) + "\n"

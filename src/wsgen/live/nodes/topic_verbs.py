@@ -35,8 +35,7 @@ from wsgen.live.nodes.graph import (
     topics,
     type_name,
 )
-from wsgen.live.nodes.messages import WrongFieldError, fill
-from wsgen.live.nodes.rates import Rates, one_topic, table
+from wsgen.live.nodes.messages import Rates, WrongFieldError, fill, one_topic, table
 from wsgen.live.nodes.unanswered import SECONDS
 
 if TYPE_CHECKING:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from wsgen.isolation.channel import Endpoint
     from wsgen.model.world import World
-    from wsgen.rendering.recording import Recorder
+    from wsgen.rendering.drawing import Recorder
     from wsgen.simulation.engine import Engine
     from wsgen.simulation.sampling import Sampler
     from wsgen.simulation.scene import NotDrawn, Picture, RobotRun, Scene, Video

@@ -6,8 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.isolation.child import announce
-from wsgen.rendering.drawing import drawn
-from wsgen.rendering.recording import Clip, Recorder
+from wsgen.rendering.drawing import Clip, Recorder, drawn
 from wsgen.rendering.scene_renderer import SceneRenderer
 from wsgen.rendering.video import draw_video
 from wsgen.simulation.pose_log import NO_ROBOT, RATE, read_pose_log

@@ -12,6 +12,7 @@ import importlib
 import itertools
 import math
 import time
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from wsgen.gazebo.bridged_types import PAIRS, short_gz_type, short_ros_type
@@ -309,14 +310,15 @@ def _same(message: Any) -> Any:
     return message
 
 
-def _unstamped_twist(message: Any) -> Any:
-    return message.twist
+def _stamped(name: str, field: str) -> Callable[[Any], Any]:
+    """What makes a message with a header of one without, which becomes this field."""
 
+    def stamp(message: Any) -> Any:
+        made = _new(name)
+        setattr(made, field, message)
+        return made
 
-def _stamped_twist(message: Any) -> Any:
-    made = _new("geometry_msgs/TwistStamped")
-    made.twist = message
-    return made
+    return stamp
 
 
 def _pose_array(message: Any) -> Any:
@@ -341,20 +343,6 @@ def _stamped_pose(stamped: Any) -> Any:
     return made
 
 
-def _unstamped_transform(message: Any) -> Any:
-    return message.transform
-
-
-def _unstamped_wrench(message: Any) -> Any:
-    return message.wrench
-
-
-def _stamped_wrench(message: Any) -> Any:
-    made = _new("geometry_msgs/WrenchStamped")
-    made.wrench = message
-    return made
-
-
 def _new(name: str) -> Any:
     made = message_class(name)
     assert made is not None  # noqa: S101  geometry_msgs are always there
@@ -362,12 +350,16 @@ def _new(name: str) -> Any:
 
 
 _CONVERSIONS: dict[tuple[str, str], Callable[[Any], Any]] = {
-    ("geometry_msgs/TwistStamped", "geometry_msgs/Twist"): _unstamped_twist,
-    ("geometry_msgs/Twist", "geometry_msgs/TwistStamped"): _stamped_twist,
+    ("geometry_msgs/TwistStamped", "geometry_msgs/Twist"): attrgetter("twist"),
+    ("geometry_msgs/Twist", "geometry_msgs/TwistStamped"): _stamped(
+        "geometry_msgs/TwistStamped", "twist"
+    ),
     ("tf2_msgs/TFMessage", "geometry_msgs/PoseArray"): _pose_array,
     ("geometry_msgs/TransformStamped", "geometry_msgs/PoseStamped"): _stamped_pose,
     ("geometry_msgs/TransformStamped", "geometry_msgs/Pose"): _pose,
-    ("geometry_msgs/TransformStamped", "geometry_msgs/Transform"): _unstamped_transform,
-    ("geometry_msgs/WrenchStamped", "geometry_msgs/Wrench"): _unstamped_wrench,
-    ("geometry_msgs/Wrench", "geometry_msgs/WrenchStamped"): _stamped_wrench,
+    ("geometry_msgs/TransformStamped", "geometry_msgs/Transform"): attrgetter("transform"),
+    ("geometry_msgs/WrenchStamped", "geometry_msgs/Wrench"): attrgetter("wrench"),
+    ("geometry_msgs/Wrench", "geometry_msgs/WrenchStamped"): _stamped(
+        "geometry_msgs/WrenchStamped", "wrench"
+    ),
 }

@@ -24,8 +24,7 @@ from wsgen.live.nodes.simulator.ros2_control.sensor_hardware import sensors_of
 if TYPE_CHECKING:
     from wsgen.live.nodes.simulator.host import Host, RobotHandle
     from wsgen.live.nodes.simulator.ros2_control.sensor_hardware import (
-        ForceTorqueHardware,
-        ImuHardware,
+        SensorHardware,
     )
     from wsgen.model.devices import Element
 
@@ -57,7 +56,7 @@ class Ros2Control(Plugin):
             is_former=is_former(simulator=host.simulator),
         )
         robot.ends.append(self._manager.close)
-        self._sensors: list[ImuHardware | ForceTorqueHardware] = []
+        self._sensors: list[SensorHardware] = []
         self._system: JointSystem | None = None  # until the hardware is known
         self._urdf: str | None = None  # that has come, and is yet to be read
         if given:

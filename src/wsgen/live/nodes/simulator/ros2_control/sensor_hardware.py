@@ -27,65 +27,32 @@ if TYPE_CHECKING:
     from wsgen.model.transform import Matrix
 
 
-class ImuHardware(Sensor):
-    """Writes what an IMU measures into the states of its interfaces, at the rate of the sensor."""
+class SensorHardware(Sensor):
+    """Writes what it measures into the states of its interfaces, at the rate of the sensor."""
+
+    kinds: tuple[str, ...]  # of the states
 
     def __init__(
         self, host: Host, robot: RobotHandle, sensor: MountedSensor, interfaces: Interfaces
     ) -> None:
         super().__init__(host, robot, sensor)
-        imu = sensor.element.find("imu")
-        reference = reference_of(imu)
-        self._unit = InertialUnit(
-            imu,
-            np.random.default_rng(self.seed),
-            gravity=host.gravity,
-            reference=rotation(self.pose()) if reference is None else reference,
-        )
-        self._states = interfaces.states
-        self._next = host.now
+        self._states, self._next = interfaces.states, host.now
+        self.prepare()
         self.update()
+
+    def prepare(self) -> None:
+        """Read what it needs to measure."""
+
+    def values(self) -> Iterable[float]:
+        """What it measures now, in the order of its kinds."""
+        raise NotImplementedError
 
     def update(self) -> None:
         """Measure, if it is due."""
         if self.host.now < self._next:
             return
         self._next += self.rated_period
-        measured = self._unit.measure(self.pose(), *self.velocity(), self.host.now)
-        rows: Matrix = tuple(map(tuple, measured.orientation.tolist()))  # type: ignore[assignment]
-        values = (
-            *quaternion_of_rpy(rpy_of_rotation(rows)),
-            *measured.turning.tolist(),
-            *measured.acceleration.tolist(),
-        )
-        for kind, value in zip(IMU, values, strict=True):
-            name = f"{self.sensor.name}/{kind}"
-            if name in self._states:
-                self._states[name] = value
-
-    def reset(self) -> None:
-        """Begin again."""
-        self._unit.forget(time=True)
-        self._next = self.host.now
-
-
-class ForceTorqueHardware(JointLoad):
-    """Writes what a joint carries into the states of its interfaces, at the rate of the sensor."""
-
-    def __init__(
-        self, host: Host, robot: RobotHandle, sensor: MountedSensor, interfaces: Interfaces
-    ) -> None:
-        super().__init__(host, robot, sensor)
-        self._states = interfaces.states
-        self._next = host.now
-        self.update()
-
-    def update(self) -> None:
-        """Measure, if it is due."""
-        if self.host.now < self._next:
-            return
-        self._next += self.rated_period
-        for kind, value in zip(FORCE_TORQUE, np.concatenate(self.measure()), strict=True):
+        for kind, value in zip(self.kinds, self.values(), strict=True):
             name = f"{self.sensor.name}/{kind}"
             if name in self._states:
                 self._states[name] = float(value)
@@ -95,7 +62,49 @@ class ForceTorqueHardware(JointLoad):
         self._next = self.host.now
 
 
-HARDWARE: dict[str, type[ImuHardware | ForceTorqueHardware]] = {
+class ImuHardware(SensorHardware):
+    """An IMU."""
+
+    kinds = IMU
+
+    def prepare(self) -> None:
+        """As in the base."""
+        imu = self.sensor.element.find("imu")
+        reference = reference_of(imu)
+        self._unit = InertialUnit(
+            imu,
+            np.random.default_rng(self.seed),
+            gravity=self.host.gravity,
+            reference=rotation(self.pose()) if reference is None else reference,
+        )
+
+    def values(self) -> Iterable[float]:
+        """As in the base."""
+        measured = self._unit.measure(self.pose(), *self.velocity(), self.host.now)
+        rows: Matrix = tuple(map(tuple, measured.orientation.tolist()))  # type: ignore[assignment]
+        return (
+            *quaternion_of_rpy(rpy_of_rotation(rows)),
+            *measured.turning.tolist(),
+            *measured.acceleration.tolist(),
+        )
+
+    def reset(self) -> None:
+        """Begin again."""
+        self._unit.forget(time=True)
+        super().reset()
+
+
+class ForceTorqueHardware(SensorHardware, JointLoad):
+    """What a joint carries."""
+
+    kinds = FORCE_TORQUE
+
+    def values(self) -> Iterable[float]:
+        """As in the base."""
+        return np.concatenate(self.measure())
+
+
+HARDWARE: dict[str, type[SensorHardware]] = {
     "imu": ImuHardware,
     "force_torque": ForceTorqueHardware,
 }
@@ -103,10 +112,10 @@ HARDWARE: dict[str, type[ImuHardware | ForceTorqueHardware]] = {
 
 def sensors_of(
     host: Host, robot: RobotHandle, components: Iterable[Component], interfaces: Interfaces
-) -> list[ImuHardware | ForceTorqueHardware]:
+) -> list[SensorHardware]:
     """The sensors that <ros2_control> names; states of those that are not there are taken away."""
     mounted = {one.name: one for one in robot.devices.sensors if one.kind in HARDWARE}
-    found: list[ImuHardware | ForceTorqueHardware] = []
+    found: list[SensorHardware] = []
     for component in components:
         for part in component.sensors if component.is_simulated else ():
             sensor = mounted.get(part.name)
