@@ -178,7 +178,7 @@ class AskedNodes:
         self.close()
 
     def _take_transition(self, reported: Mapping[str, Any]) -> None:
-        from launch_ros.actions import StateTransition  # noqa: PLC0415  the shim's
+        from launch_ros._events import StateTransition  # noqa: PLC0415  the shim's
 
         for action in self._followed.get(reported["node"], ()):
             self._post(
