@@ -1,7 +1,6 @@
 import pytest
 
-from wsgen.model.installation import apt_install, apt_source, debian_name, image
-from wsgen.model.target import TARGETS, Target
+from wsgen.model.target import TARGETS, Target, apt_install, apt_source, debian_name, image
 
 # Step 2 of the tutorial, typed as there, without the editor.
 TUTORIAL = (

@@ -85,7 +85,7 @@ def _recorded() -> str | None:
 def _render(report: DoctorReport, *, quiet: bool) -> Iterator[str]:
     """The lines that a person reads; with `quiet`, only what is missing."""
     from wsgen.cli.terminal import fit_lines
-    from wsgen.model.installation import image, in_container
+    from wsgen.model.target import image, in_container
 
     target = report.target
     yield click.style(f"{target.ros} with {target.gazebo}, on Ubuntu {target.ubuntu}", bold=True)

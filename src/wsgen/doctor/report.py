@@ -14,18 +14,19 @@ from wsgen.errors import WsgenError
 from wsgen.isolation.result import find_missing_library
 from wsgen.model.engines import ENGINES
 from wsgen.model.facts import DISTROS, RELEASED_FOR
-from wsgen.model.installation import (
+from wsgen.model.target import (
     APT_HOSTS,
     COLCON,
     SIMULATOR_PACKAGES,
     VARIANTS,
+    Target,
     apt_install,
     apt_source,
     debian_name,
+    end_of_life_note,
     image,
     ros_packages,
 )
-from wsgen.model.target import Target, end_of_life_note
 from wsgen.ros.environment.available import check_rclpy, sourced_prefix, why_not
 
 if TYPE_CHECKING:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from wsgen import __version__
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.model.package import WINDOWS_DEVICES
+from wsgen.model.target import image
 from wsgen.templating.environment import Environment, describe_error, syntax_place
 from wsgen.templating.sources import ENDING, SourceError, find_source
 from wsgen.templating.template import MANIFEST, refuse
@@ -348,8 +349,6 @@ def render_workflow(service: str, target: Target) -> RenderedTree:
     It builds and validates on the Python of the target, which will run the launch files, and on
     the newest Python with PyBullet.
     """
-    from wsgen.model.installation import image  # noqa: PLC0415  workflows are rarely wanted
-
     path, source = WORKFLOWS[service]
     python = tuple(int(part) for part in target.fact("python").split("."))
     versions = [".".join(map(str, version)) for version in sorted({python, NEWEST_PYTHON})]
