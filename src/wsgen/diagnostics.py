@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import Enum
 from pathlib import Path  # noqa: TC003  a child's diagnostics are decoded by their type hints
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.text.printable import clean_line
 from wsgen.text.values import dataclass
@@ -50,6 +50,13 @@ class Diagnostic:
             self.__dict__[name] = clean_line(text)
 
 
+class Measured(NamedTuple):
+    """What simulators do with a robot that has the mistake of a rule alone: each a predicate."""
+
+    classic: str  # Gazebo Classic 11
+    sim: str  # the parser of Gazebo Sim, sdformat 12
+
+
 @dataclass(frozen=True, kw_only=True)
 class Rule:
     """A kind of diagnostic; a constant of the module that checks it.
@@ -62,6 +69,7 @@ class Rule:
     name: str  # reads after "allow"
     severity: Severity
     severity_varies: str = ""  # when it is another one: "an error in Gazebo Sim, which refuses it"
+    measured: Measured | None = None  # None: it was not asked of them
     summary: str  # one sentence
     what: str = ""  # what is checked, where the summary does not say all
     why: str  # why it is bad

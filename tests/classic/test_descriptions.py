@@ -12,8 +12,10 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from classic.gazebo_classic import HOST, EndedError, GazeboClassic, recorded_in, why_missing
+from gazebo_oracle import IGN, run_ign
 from mesh_samples import binary_stl
 from urdf_texts import robot
+from wsgen.checks.rules.catalogue import all_rules, find_rule
 from wsgen.isolation import parent
 from wsgen.pipeline.prepare import PrepareContext, prepare_robot
 
@@ -89,6 +91,30 @@ CASES: Mapping[str, str] = {
     "absent plugin": link("a") + "<gazebo><plugin name='p' filename='libabsent.so'/></gazebo>",
     "no link": "",
 }
+# The rules that say what simulators do, by the case of which it was measured.
+OF_RULES = {
+    "a word for a mass": "ROB016",
+    "negative mass": "ROB022",
+    "impossible inertia": "ROB037",
+    "capsule": "ROB024",
+    "massless child": "ROB040",
+    "massless root, fixed": "ROB051",
+    "masses of 0, fixed": "ROB041",
+    "two links of a name": "ROB007",
+    "two joints of a name": "ROB008",
+    "a joint named as a link": "ROB034",
+    "two roots": "ROB009",
+    "no limit": "ROB020",
+    "swapped limits": "ROB023",
+    "unknown type": "ROB015",
+    "planar": "ROB055",
+    "mimics nothing": "ROB035",
+    "two sensors": "ROB108",
+    "a word for a friction": "ROB031",
+    "unknown reference": "ROB030",
+    "mirrored mesh": "ROB151",
+    "no link": "ROB005",
+}
 # Why wsgen refuses what Gazebo Classic simulates as it is meant.
 STRICTER = {
     "negative box": "ROB028: no engine of wsgen has such shapes; Gazebo Sim ends on them",
@@ -161,3 +187,39 @@ def test_wsgen_refuses_what_gazebo_classic_does_not_simulate(
         assert can_run == rests
     if can_run and prepared is not None:
         assert {one.name for one in prepared.lumped.links} == recorded[case].keys()
+
+
+def verdict(case: str, recorded: Mapping[str, Any]) -> str:
+    """What Gazebo Classic does with a case, as rules say it."""
+    if {"refused", "crashed"} & recorded.keys():
+        return "refuses it" if "refused" in recorded else "crashes"
+    if not recorded:
+        return "loads nothing of it"
+    if set(recorded.values()) not in RESTING:
+        return "simulates another robot"
+    return "simulates what is left" if case in CUT else "simulates it"
+
+
+def test_rules_say_what_gazebo_classic_does(recorded: Any) -> None:
+    said = {one.code: one.measured.classic for one in all_rules() if one.measured}
+    assert said == {code: verdict(case, recorded[case]) for case, code in OF_RULES.items()}
+
+
+@pytest.mark.parametrize("case", OF_RULES)
+def test_a_rule_with_a_measurement_reports_the_case(case: str, tmp_path: Path) -> None:
+    context = PrepareContext(share_of=lambda _: None, folder=tmp_path, run=parent.run)
+    file = write(case, tmp_path)
+    _, found = prepare_robot(file.read_text(), file=file, context=context)
+    assert OF_RULES[case] in {one.code for one in found}
+
+
+@pytest.mark.oracle
+@pytest.mark.skipif(IGN is None, reason="`ign sdf` is not installed")
+@pytest.mark.parametrize("case", OF_RULES)
+def test_rules_say_what_the_parser_of_gazebo_sim_does(case: str, tmp_path: Path) -> None:
+    rule = find_rule(OF_RULES[case])
+    assert rule is not None
+    assert rule.measured is not None
+    code, _ = run_ign("-k", write(case, tmp_path), tmp_path)
+    does = "crashes" if code < 0 else "refuses it" if code else "accepts it"
+    assert does == rule.measured.sim

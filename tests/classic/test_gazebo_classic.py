@@ -59,3 +59,30 @@ def test_a_link_without_mass_is_nothing_there(world: Path, tmp_path: Path) -> No
     with GazeboClassic(world) as gazebo:
         gazebo.spawn(tmp_path / "light.urdf", "none")
         assert gazebo.state()["none"]["links"] == {}
+
+
+def test_an_altimeter_publishes_nothing(tmp_path: Path) -> None:
+    """A sonar beside it does: the topics are those of other sensors."""
+    world, models = tmp_path / "w.world", ""
+    for kind in ("altimeter", "sonar"):
+        inside = "<sonar><min>0</min><max>9</max></sonar>" if kind == "sonar" else "<altimeter/>"
+        rate = "<update_rate>100</update_rate>"
+        models += f"<sensor name='{kind[0]}' type='{kind}'>{rate}{inside}</sensor>"
+    world.write_text(
+        "<sdf version='1.6'><world name='w'><model name='m'><pose>0 0 5 0 0 0</pose><link name='l'>"
+        f"<inertial><mass>1</mass></inertial>{models}</link></model></world></sdf>"
+    )
+    topics = {
+        "~/m/l/a/altimeter": "Altimeter",
+        "~/m/l/a": "Altimeter",
+        "~/m/l/s/sonar": "SonarStamped",
+    }
+    with GazeboClassic(world) as gazebo:
+        for topic, kind in topics.items():
+            gazebo.ask("listen", topic, f"gazebo.msgs.{kind}")
+        for _ in range(2):
+            gazebo.run(0.1)
+            gazebo.ask("sensors")
+        counts = [gazebo.ask("heard", topic)["count"] for topic in topics]
+    assert counts[:2] == [0, 0]
+    assert counts[2] > 0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wsgen.diagnostics import Rule, Severity
+from wsgen.diagnostics import Measured, Rule, Severity
 
 MALFORMED_XML = Rule(
     code="ROB001",
@@ -39,6 +39,7 @@ NO_LINK = Rule(
     name="no-link",
     severity=Severity.ERROR,
     severity_varies="information from `wsgen check` in a file for Webots",
+    measured=Measured(classic="refuses it", sim="refuses it"),
     summary="A robot or a movable model has no link.",
     why=(
         "Gazebo refuses a robot without links. A link `world` in a URDF does not count: it only "
@@ -113,6 +114,7 @@ UNKNOWN_JOINT_TYPE = Rule(
     code="ROB015",
     name="unknown-joint-type",
     severity=Severity.ERROR,
+    measured=Measured(classic="refuses it", sim="refuses it"),
     summary="A joint has an unknown type.",
     why=(
         "Gazebo refuses the robot. `floating` and `planar` exist in URDF only; `ball`, "
@@ -127,6 +129,7 @@ NOT_A_NUMBER = Rule(
     name="not-a-number",
     severity=Severity.ERROR,
     severity_varies="a warning in the color of a URDF, which Gazebo ignores",
+    measured=Measured(classic="loads nothing of it", sim="refuses it"),
     summary="A number is missing or is not a number.",
     what=(
         "Numbers must be finite, have a decimal point, be separated by blanks, and have the count "
@@ -154,6 +157,7 @@ NEGATIVE_MASS = Rule(
     code="ROB022",
     name="negative-mass",
     severity=Severity.ERROR,
+    measured=Measured(classic="simulates another robot", sim="refuses it"),
     summary="A mass is negative.",
     why="Gazebo drops the link or refuses the robot.",
     example='<mass value="-1"/>',
@@ -164,6 +168,7 @@ SWAPPED_LIMITS = Rule(
     code="ROB023",
     name="swapped-limits",
     severity=Severity.WARNING,
+    measured=Measured(classic="simulates it", sim="accepts it"),
     summary="The lower limit of a joint is above the upper limit.",
     why="Gazebo and wsgen swap such limits; other programs treat the joint as one without limits.",
     example='<limit lower="1" upper="-1" effort="10" velocity="1"/>',
@@ -175,6 +180,7 @@ NO_SHAPE = Rule(
     name="no-shape",
     severity=Severity.ERROR,
     severity_varies="a warning in SDF, where Gazebo ignores the shape",
+    measured=Measured(classic="simulates another robot", sim="accepts it"),
     summary="A `<geometry>` does not have a known shape.",
     why=(
         "Gazebo's URDF parser stops reading the link there and silently drops its remaining "
@@ -206,6 +212,7 @@ MIRRORED_MESH = Rule(
     name="mirrored-collision-mesh",
     severity=Severity.ERROR,
     severity_varies="a warning in Gazebo Classic, which simulates it",
+    measured=Measured(classic="simulates it", sim="accepts it"),
     summary="The scale of a collision mesh is negative: the mesh is mirrored.",
     why="The physics engine of Gazebo Sim terminates the program on a mirrored mesh. A visual may "
     "be mirrored.",
@@ -227,6 +234,7 @@ ONE_NAME_FOR_LINK_AND_JOINT = Rule(
     name="one-name-for-link-and-joint",
     severity=Severity.WARNING,
     severity_varies="an error in Gazebo Sim, which refuses the robot",
+    measured=Measured(classic="simulates it", sim="refuses it"),
     summary="A link and a joint have the same name.",
     why=(
         "Links, joints and frames share one namespace since SDF 1.7: Gazebo Sim refuses the "
@@ -241,6 +249,7 @@ UNKNOWN_MIMICKED_JOINT = Rule(
     name="unknown-mimicked-joint",
     severity=Severity.ERROR,
     severity_varies="a warning in a URDF, where the joint moves independently",
+    measured=Measured(classic="simulates it", sim="accepts it"),
     summary="A joint mimics a joint that does not exist.",
     why="The joint is not driven: it swings freely instead of following another joint.",
     example=(
@@ -263,6 +272,7 @@ IMPOSSIBLE_INERTIA = Rule(
         "a warning where Gazebo still loads the robot: in Gazebo Classic, or where the "
         "link of a URDF is lumped into another one, or its inertia is zero"
     ),
+    measured=Measured(classic="simulates it", sim="refuses it"),
     summary="The inertia of a link is physically impossible.",
     what=(
         "The principal moments must be positive, and none may be larger than the sum of the "

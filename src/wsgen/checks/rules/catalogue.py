@@ -195,6 +195,11 @@ def to_markdown(rule: Rule, *, has_fix: bool = False) -> str:
     if rule.what:
         parts += ["**What it checks.** " + rule.what]
     parts += ["**Why is this bad?** " + rule.why]
+    if rule.measured:
+        classic, sim = rule.measured
+        parts += [
+            f"**Measured.** Gazebo Classic 11 {classic}; sdformat 12, Gazebo Sim's parser, {sim}."
+        ]
     parts += ["**Example**", _code(rule.example), "**Use instead**", _code(rule.instead)]
     return "\n\n".join(parts) + "\n"
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.diagnostics import Rule, Severity
+from wsgen.diagnostics import Measured, Rule, Severity
 from wsgen.gazebo.plugins import (
     OF_CLASSIC,
     PLUGINS,
@@ -528,6 +528,7 @@ DUPLICATE_SENSOR = Rule(
     name="duplicate-sensor",
     severity=Severity.ERROR,
     severity_varies="a warning in Gazebo Classic, which loads the robot",
+    measured=Measured(classic="simulates it", sim="refuses it"),
     summary="Two sensors of a body have the same name.",
     what="Compares the names of the sensors of each link, including those of links that fixed "
     "joints attach to it: Gazebo lumps them into one body.",

@@ -9,7 +9,7 @@ import itertools
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.diagnostics import Rule, Severity
+from wsgen.diagnostics import Measured, Rule, Severity
 from wsgen.gazebo.successors import ROS_1_PLUGINS
 from wsgen.model.inertia import as_attributes, if_filled, of_solid, principal_moments
 from wsgen.model.robot import (
@@ -466,6 +466,7 @@ MASSLESS_ROOT = Rule(
     code="ROB051",
     name="massless-root",
     severity=Severity.INFO,
+    measured=Measured(classic="simulates it", sim="accepts it"),
     summary="The root link has no mass.",
     what="Looks for a root link without mass that has fixed joints; lists all links that Gazebo "
     "lumps into it, and the mass of the robot.",
@@ -625,6 +626,7 @@ LOOSE_JOINT = Rule(
     name="loose-joint",
     severity=Severity.WARNING,
     severity_varies="an error for Gazebo Sim, which refuses the robot",
+    measured=Measured(classic="simulates it", sim="refuses it"),
     summary="Gazebo does not create floating and planar joints.",
     why="Gazebo's parser ignores the joint. In Gazebo Classic the child is a separate body and "
     "falls off; Gazebo Sim refuses the robot, because the child is placed relative to a joint that "

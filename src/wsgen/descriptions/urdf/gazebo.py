@@ -26,7 +26,7 @@ from wsgen.descriptions.urdf.values import (
     line_of,
     without_commas,
 )
-from wsgen.diagnostics import Rule, Severity
+from wsgen.diagnostics import Measured, Rule, Severity
 from wsgen.model.robot import (
     GAZEBO_COLORS,
     STOP,
@@ -128,6 +128,7 @@ UNKNOWN_REFERENCE = Rule(
     code="ROB030",
     name="unknown-reference",
     severity=Severity.WARNING,
+    measured=Measured(classic="simulates it", sim="accepts it"),
     summary="A `<gazebo>` element refers to a link or joint that does not exist.",
     why=(
         "Gazebo silently ignores the element: the link keeps its default friction, color and "
@@ -147,6 +148,7 @@ GAZEBO_NOT_A_NUMBER = Rule(
         "a warning where Gazebo reads a number from the beginning of the text, or one that is "
         "not finite"
     ),
+    measured=Measured(classic="crashes", sim="crashes"),
     summary="A number in a `<gazebo>` element is not a number or is out of range.",
     why=(
         "Gazebo converts these texts without a check: it terminates with an exception, refuses "

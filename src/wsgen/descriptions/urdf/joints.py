@@ -13,7 +13,7 @@ from wsgen.descriptions.rules import NOT_A_NUMBER, SWAPPED_LIMITS, UNKNOWN_JOINT
 from wsgen.descriptions.urdf.links import read_origin
 from wsgen.descriptions.urdf.unknown_elements import meant_element
 from wsgen.descriptions.urdf.values import line_of, read_number, read_triple
-from wsgen.diagnostics import Rule, Severity
+from wsgen.diagnostics import Measured, Rule, Severity
 from wsgen.model.robot import Joint, JointLimit, JointType, Mimic
 from wsgen.model.transform import IDENTITY
 from wsgen.text.suggestions import did_you_mean
@@ -54,6 +54,7 @@ MISSING_LIMIT = Rule(
     code="ROB020",
     name="missing-limit",
     severity=Severity.ERROR,
+    measured=Measured(classic="refuses it", sim="refuses it"),
     summary="A revolute or prismatic joint has no `<limit>`.",
     why="`urdfdom` refuses the robot. The type of a joint without limits is `continuous`.",
     example=(

@@ -22,7 +22,7 @@ from wsgen.descriptions.urdf.gazebo import (
     with_springs_and_stops,
     without_effect,
 )
-from wsgen.diagnostics import Rule, Severity
+from wsgen.diagnostics import Measured, Rule, Severity
 from wsgen.model.inertia import about_link_axes, as_attributes, if_filled, is_possible, moved
 from wsgen.model.robot import Inertial, Joint, JointLimit, JointType
 from wsgen.model.transform import IDENTITY, Pose, compose
@@ -51,6 +51,7 @@ DROPPED_LINK = Rule(
     severity=Severity.ERROR,
     severity_varies="a warning for links that are fixed to the world and carry nothing, such as a "
     "plate under an arm, and from `wsgen check` where nothing in the workspace uses Gazebo",
+    measured=Measured(classic="simulates what is left", sim="accepts it"),
     summary="Gazebo drops a link without mass and everything that is attached to it.",
     why=(
         "`sdformat` drops a link without mass unless a fixed joint attaches it to a link with "
@@ -73,6 +74,7 @@ TWO_ZERO_MASSES = Rule(
     code="ROB041",
     name="two-zero-masses",
     severity=Severity.ERROR,
+    measured=Measured(classic="simulates another robot", sim="refuses it"),
     summary="Two links of mass 0 are attached by a fixed joint.",
     why=(
         "`sdformat` lumps them and divides by their total mass: the center of mass is not a "

@@ -29,7 +29,7 @@ from wsgen.descriptions.urdf.lumping import WORLD
 from wsgen.descriptions.urdf.structure import check_inertias, check_mimics, check_names, find_root
 from wsgen.descriptions.urdf.unknown_elements import check_spelling
 from wsgen.descriptions.urdf.values import LEFT_OVER, Collector, line_of
-from wsgen.diagnostics import Rule, Severity
+from wsgen.diagnostics import Measured, Rule, Severity
 from wsgen.model.robot import Robot
 from wsgen.text.files import save_as_utf8, wide_encoding
 from wsgen.text.markup import without_comments
@@ -86,6 +86,7 @@ DUPLICATE_LINK = Rule(
     code="ROB007",
     name="duplicate-link",
     severity=Severity.ERROR,
+    measured=Measured(classic="refuses it", sim="refuses it"),
     summary="Two links have the same name.",
     why=("`urdfdom` refuses the robot. Usually a xacro macro is called twice without a prefix."),
     example='<link name="wheel"/>\n<link name="wheel"/>',
@@ -96,6 +97,7 @@ DUPLICATE_JOINT = Rule(
     code="ROB008",
     name="duplicate-joint",
     severity=Severity.ERROR,
+    measured=Measured(classic="refuses it", sim="refuses it"),
     summary="Two joints have the same name.",
     why="`urdfdom` refuses the robot, and PyBullet crashes on it.",
     example=(

@@ -24,7 +24,7 @@ from wsgen.descriptions.urdf.lumping import (
     parts_of_impossible_sums,
 )
 from wsgen.descriptions.urdf.unknown_elements import nearest_element
-from wsgen.diagnostics import Rule, Severity
+from wsgen.diagnostics import Measured, Rule, Severity
 from wsgen.model.inertia import as_attributes, if_filled, principal_moments
 from wsgen.model.robot import JointType
 from wsgen.text.suggestions import did_you_mean
@@ -45,6 +45,7 @@ SEVERAL_ROOTS = Rule(
     code="ROB009",
     name="several-roots",
     severity=Severity.ERROR,
+    measured=Measured(classic="refuses it", sim="refuses it"),
     summary="More than one link has no parent.",
     why=(
         "A URDF is a tree with one root link. Gazebo and robot_state_publisher refuse the "
