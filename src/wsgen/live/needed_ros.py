@@ -15,6 +15,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.checks.rules.target import target_of
+from wsgen.gazebo.bridged_types import PAIRS
+from wsgen.gazebo.sensors import SENSORS
 from wsgen.launching import commands
 from wsgen.model.facts import DISTROS
 from wsgen.model.target import DISTROS_WITH_CLASSIC, Target
@@ -87,11 +89,17 @@ TRICYCLE = "publish_ackermann_command"  # a parameter of a controller
 CONTROL = "ros2_control"  # in the file names of plugins
 CONTROL_PROGRAMS = frozenset(("spawner", "spawner.py", "unspawner", "ros2_control_node"))
 # Kinds of sensors whose messages only a package of Gazebo has.
-OF_GAZEBO = frozenset(("altimeter", "contact"))
+OF_GAZEBO = sorted(
+    kind
+    for kind, sensor in SENSORS.items()
+    if any(PAIRS[type_][0].startswith("ros_gz_interfaces/") for _, type_ in sensor.topics)
+)
 GAZEBO = {"classic": "gazebo_msgs", "gz": "ros_gz_interfaces"}
 # Of files that describe robots, or are included by those.
 DESCRIPTIONS = frozenset((".gazebo", ".sdf", ".urdf", ".xacro", ".xml"))
-_SENSOR_OF_GAZEBO = re.compile(rb"<sensor[^>]*\btype\s*=\s*[\"'](?:altimeter|contact)[\"']")
+_SENSOR_OF_GAZEBO = re.compile(
+    rf"<sensor[^>]*\btype\s*=\s*[\"'](?:{'|'.join(OF_GAZEBO)})[\"']".encode()
+)
 _TYPE = re.compile(r"\b([a-z]\w*)/(?:msg|srv|action)/\w+")
 LARGEST = 1 << 20  # bytes of the file of a bridge
 

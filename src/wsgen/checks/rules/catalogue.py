@@ -34,7 +34,6 @@ MODULES = (
     "wsgen.building.last_build",
     "wsgen.building.run",
     "wsgen.building.left_out",
-    "wsgen.building.left_out",
     "wsgen.packages.build_files.cmake_checks",
     "wsgen.packages.build_files.install_checks",
     "wsgen.packages.build_files.python_checks",
@@ -113,7 +112,6 @@ MODULES = (
     "wsgen.descriptions.sdf.shapes",
     "wsgen.descriptions.sdf.source",
     "wsgen.simulation.run",
-    "wsgen.simulation.run",
     "wsgen.templating.render",
     "wsgen.templating.template",
     "wsgen.descriptions.urdf.gazebo",
@@ -126,7 +124,6 @@ MODULES = (
     "wsgen.packages.workspace.package_xml",
     "wsgen.packages.workspace.manifest",
     "wsgen.packages.workspace.overlay",
-    "wsgen.packages.workspace.package_xml",
     "wsgen.packages.workspace.settings",
     "wsgen.descriptions.xacro.reader",
 )

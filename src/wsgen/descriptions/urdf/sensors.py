@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.descriptions.urdf.values import LEFT_OVER, leading_float
 from wsgen.diagnostics import Rule, Severity
+from wsgen.gazebo.sensors import SYSTEM_OF_SENSOR
 from wsgen.model.devices import NUMBERS_OF_POSE, NUMBERS_OF_QUATERNION_POSE
 from wsgen.text.suggestions import did_you_mean, nearest
 from wsgen.text.xmltree import children
@@ -21,13 +22,11 @@ if TYPE_CHECKING:
     from wsgen.text.xmltree import Element
 
 
-TYPES = (
-    *("air_pressure", "air_speed", "altimeter", "boundingbox", "boundingbox_camera", "camera"),
-    *("contact", "custom", "depth", "depth_camera", "dvl", "force_torque", "gps", "gpu_lidar"),
-    *("gpu_ray", "imu", "lidar", "logical_camera", "magnetometer", "multicamera", "navsat", "ray"),
-    *("rfid", "rfidtag", "rgbd", "rgbd_camera", "segmentation", "segmentation_camera", "sonar"),
-    *("thermal", "thermal_camera", "wideanglecamera", "wide_angle_camera", "wireless_receiver"),
-    "wireless_transmitter",
+TYPES = sorted(
+    (
+        *SYSTEM_OF_SENSOR,
+        *("custom", "dvl", "rfid", "rfidtag", "sonar", "wireless_receiver", "wireless_transmitter"),
+    )
 )
 # Elements with one number, with a truth, and with the pose, anywhere in a sensor.
 NUMBERS = frozenset(

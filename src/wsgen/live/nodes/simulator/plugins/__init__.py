@@ -6,6 +6,10 @@ systems put around it. The class follows its module, which is imported when a ro
 
 from __future__ import annotations
 
+from wsgen.gazebo.sensors import SYSTEM_OF_SENSOR
+from wsgen.gazebo.systems import systems
+from wsgen.live.nodes.simulator.sensors import SENSORS
+
 _HERE = "wsgen.live.nodes.simulator.plugins"
 PLUGINS: dict[str, str] = {
     "gazebo_ros_ackermann_drive": f"{_HERE}.ackermann:ClassicAckermann",
@@ -38,13 +42,14 @@ WORLD_PLUGINS: dict[str, str] = {
     "gazebo_ros_state": "wsgen.live.nodes.simulator.world_state:WorldState"
 }
 
+_OF_SENSORS = {SYSTEM_OF_SENSOR[kind] for kind in SENSORS}
 # What the simulator does by itself, or what needs nothing done, by the same names. A system for
 # sensors is only looked for.
 DONE_BY_SIMULATOR = frozenset(
     (
         *("gazebo_ros_init", "gazebo_ros_factory", "gazebo_ros_state", "gazebo_ros_properties"),
-        *("gazebo_ros_force_system", "physics", "user-commands", "scene-broadcaster", "sensors"),
-        *("air-pressure", "altimeter", "contact", "cpu-lidar", "forcetorque", "imu"),
-        *("magnetometer", "navsat", "label", "environment-preload", "shader-param"),
+        *("gazebo_ros_force_system", "physics", "user-commands", "scene-broadcaster"),
+        *("label", "environment-preload", "shader-param"),
+        *(name for name, classes in systems().items() if _OF_SENSORS.intersection(classes)),
     )
 )
