@@ -303,7 +303,7 @@ print(parent.UTF_8, sys.platform)
 """
     ended = subprocess.run([windows_like, "-c", script], capture_output=True, text=True, check=True)
     assert ended.stdout.splitlines() == [
-        "None None False False",
+        "None False False",
         f"('-X', 'utf8') {sys.platform}",
     ]
 
