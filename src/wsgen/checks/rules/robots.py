@@ -204,7 +204,9 @@ def _in_other_units(link: Link, rest: float) -> Oversized | None:
             continue
         mass = link.inertial.mass
         size = max(map(largest_size, shapes))
-        shape = max((one for one in shapes if largest_size(one) >= size / 2), key=_volume)
+        if size > BEYOND:  # reported; its volume may be no number
+            continue
+        shape = max((one for one in shapes if 2 * largest_size(one) > size), key=_volume)
         moment = principal_moments(link.inertial.inertia)[2]
         solid = max(of_solid(shape, mass) or (0.0,))
         # A <visual> that is not that of the body may be a beam.
