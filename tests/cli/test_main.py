@@ -313,7 +313,7 @@ def test_the_help_ends_with_two_examples_that_parse(
 ) -> None:
     assert wsgen.cli.run([name, "--help"]) == 0
     lines = capsys.readouterr().out.rstrip().splitlines()
-    assert lines[-3] == "Examples:"
+    assert lines[-3] == "Examples:", "The command is an ExampleCommand with two examples."
     for line in lines[-2:]:
         program, called, *words = shlex.split(line)
         assert (program, called) == ("wsgen", name)

@@ -290,8 +290,13 @@ def test_parameters_are_those_of_the_source(name: str, defaults: dict[str, Defau
 
 def test_what_is_simulated_is_known_and_what_is_known_is_simulated() -> None:
     known_whole = {name for name, one in PLUGINS.items() if one.parameters}
-    assert known_whole == SIMULATED.keys() | WORLD_PLUGINS.keys() | OF_SENSORS
-    assert {name for name, _ in rows()} == known_whole
+    simulated = SIMULATED.keys() | WORLD_PLUGINS.keys() | OF_SENSORS
+    assert known_whole == simulated, (
+        "A plugin with parameters in gazebo/plugins.py has a class in "
+        f"live/nodes/simulator/plugins, and no other: {sorted(known_whole ^ simulated)}"
+    )
+    with_rows = {name for name, _ in rows()}
+    assert with_rows == known_whole, f"SOURCES has no row of {sorted(known_whole - with_rows)}"
     assert SENSORS.keys() <= SYSTEM_OF_SENSOR.keys()
     classes = {one for names in systems().values() for one in names}
     needed = {system for one in PLUGINS.values() for system in one.needs}
@@ -333,7 +338,9 @@ def test_live_runs_read_all_parameters(name: str, monkeypatch: pytest.MonkeyPatc
     for flags in ("false", "true"):
         _, warnings = started(name, content_of(name, flags=flags))
         assert not any("does not work" in one for one in warnings), warnings
-    assert asked == PLUGINS[name].parameters.keys()
+    known = PLUGINS[name].parameters.keys()
+    assert not known - asked, "its class does not read these parameters of gazebo/plugins.py"
+    assert not asked - known, "gazebo/plugins.py lacks these parameters that its class reads"
 
 
 @pytest.mark.slow

@@ -116,7 +116,7 @@ class NavSat(Sensor):
         return message
 
 
-class _OfGazeboSim(Sensor):
+class OfGazeboSim(Sensor):
     """A sensor of Gazebo Sim alone: ROS 2 has no plugin of Gazebo Classic for it."""
 
     message: Any = None  # its type
@@ -145,7 +145,7 @@ class _OfGazeboSim(Sensor):
         self._publisher.publish(message)
 
 
-class Altimeter(_OfGazeboSim):
+class Altimeter(OfGazeboSim):
     """The height against the one at the beginning, and its change.
 
     As ros_gz_interfaces/Altimeter (gazebosim/gz-sensors, src/AltimeterSensor.cc; gazebosim/gz-sim,
@@ -174,7 +174,7 @@ class Altimeter(_OfGazeboSim):
         message.vertical_reference = self._reference
 
 
-class AirPressure(_OfGazeboSim):
+class AirPressure(OfGazeboSim):
     """The pressure by the standard atmosphere, Pa.
 
     As sensor_msgs/FluidPressure (gazebosim/gz-sensors, src/AirPressureSensor.cc).
@@ -201,7 +201,7 @@ class AirPressure(_OfGazeboSim):
 FIELD = (5.5645e-6, 22.8758e-6, -42.3884e-6)  # T, SDF's default
 
 
-class Magnetometer(_OfGazeboSim):
+class Magnetometer(OfGazeboSim):
     """The <magnetic_field> of the world in the frame of the sensor, T.
 
     As sensor_msgs/MagneticField (gazebosim/gz-sensors, src/MagnetometerSensor.cc). The tables of
