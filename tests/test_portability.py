@@ -23,7 +23,7 @@ LINUX_ONLY = {
     "wsgen.isolation.forked",
     *(f"wsgen.live.{name}" for name in ("process", "run", "service")),
     *(f"wsgen.live.{name}" for name in ("service_child", "service_process", "termination")),
-    *(f"wsgen.live.{name}" for name in ("activity", "behaviors", "session", "shared_memory")),
+    *(f"wsgen.live.{name}" for name in ("behaviors", "resources", "session")),
     "wsgen.testing.live",
 }
 # Scripts, which read a request, and what is on the path of certain children alone.

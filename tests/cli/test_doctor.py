@@ -49,7 +49,7 @@ def test_this_machine(capsys: pytest.CaptureFixture[str]) -> None:
 def test_a_narrow_terminal(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(terminal, "_is_terminal", lambda: True)
+    monkeypatch.setattr(terminal, "_is_terminal", lambda **_: True)
     size = os.terminal_size((60, 24))
     monkeypatch.setattr(shutil, "get_terminal_size", lambda *_, **__: size)
     assert run(["doctor"]) == 0

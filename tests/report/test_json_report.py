@@ -8,7 +8,7 @@ from pathlib import Path
 from wsgen.building.colcon import PackageResult
 from wsgen.building.run import BuildResult
 from wsgen.checks.rules.catalogue import UNKNOWN_RULE_ALLOWED
-from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.diagnostics import Diagnostic, Measured, Severity
 from wsgen.model.behavior import BehaviorOutcome, Drive, Reach
 from wsgen.model.outcome import (
     EngineOutcome,
@@ -333,8 +333,10 @@ def test_numbers_that_json_does_not_know_are_null() -> None:
 
 
 def test_every_key_of_a_rule() -> None:
-    document = json.loads(render_rules([UNKNOWN_RULE_ALLOWED]))
+    rule = replace(UNKNOWN_RULE_ALLOWED, measured=Measured("takes it", "refuses it"))
+    document = json.loads(render_rules([rule]))
     assert document["version"] == 1
+    assert document["rules"][0]["measured"] == {"classic": "takes it", "sim": "refuses it"}
     assert document["rules"][0]["severity"] == "warning"
     assert documented_keys("wsgen rule") == keys(document)
 

@@ -403,6 +403,7 @@ def render_rules(rules: Iterable[Rule]) -> str:
             {
                 **dataclasses.asdict(rule),
                 "severity": rule.severity.value,
+                "measured": rule.measured and rule.measured._asdict(),
                 "example": rule.example.strip("\n"),
                 "instead": rule.instead.strip("\n"),
             }
