@@ -32,6 +32,8 @@ PLAN = LaunchPlan(
 SCANNED = Bridge("/scan", "/scan", "sensor_msgs/msg/LaserScan", "gz.msgs.LaserScan", FROM_GZ)
 DRIVEN = Bridge("/drive", "/cmd_vel", "geometry_msgs/msg/Twist", "gz.msgs.Twist", TO_GZ)
 
+OF_ARM = Bridge("/arm/cmd_vel", "/arm", "geometry_msgs/msg/Twist", "gz.msgs.Twist", TO_GZ)
+
 
 def controlled(plugin: str = "", parameters: str = "", plan: LaunchPlan = PLAN) -> Graph:
     """A robot with a diff_drive_controller."""
@@ -88,6 +90,14 @@ def remapping(old: str) -> str:
         (bridged(DRIVEN), sent("/cmd_vel", TWIST), None),
         (bridged(DRIVEN), sent("/cmd_vel", STAMPED), f"Publish {TWIST} instead."),
         (bridged(DRIVEN), sent("/arm/target", TWIST), None),
+        (
+            bridged(DRIVEN),
+            sent("/velocity_command", TWIST),
+            "Did you mean `/cmd_vel`? If not, remap",
+        ),
+        (bridged(DRIVEN), sent("/velocity_command", STAMPED), None),
+        (bridged(DRIVEN), sent("/measured_velocity", TWIST), None),
+        (bridged(DRIVEN, OF_ARM), sent("/velocity_command", TWIST), None),
         (bridged(DRIVEN), sent("/cmd_vell", "std_msgs/String"), None),
     ],
 )
@@ -149,6 +159,9 @@ def test_other_nodes_and_computed_topics() -> None:
     other = sent("/bot/cmd_vel", TWIST)
     assert [*unheard_commands([graph], [other])]
     assert not [*unheard_commands([graph], [other, sent("/cmd_vel", TWIST)])]
+    command = sent("/velocity_command", TWIST)
+    assert [*unheard_commands([graph], [command])]
+    assert not [*unheard_commands([graph], [command, sent("/cmd_vel", TWIST)])]
 
 
 @pytest.mark.parametrize(

@@ -52,6 +52,7 @@ UNPUBLISHED_TOPIC = Rule(
 
 TWIST, STAMPED = "geometry_msgs/Twist", "geometry_msgs/TwistStamped"
 COMMANDS = frozenset((TWIST, STAMPED))
+COMMAND_WORDS = frozenset(("cmd", "command", "commands", "drive"))
 # Programs that read and publish nothing of what is compared here.
 _SILENT = frozenset(
     (
@@ -238,12 +239,24 @@ def unheard_commands(graphs: Sequence[Graph], used: Sequence[UsedTopic]) -> Iter
         here = [drive for drive in drives if drive.topic == one.topic]
         if any(drive.type == one.type for drive in here):
             continue
-        meant = here or [
-            drive
-            for drive in drives
-            if _is_misspelled(one.topic, drive.topic)
-            or (_is_alike(one.topic, drive.topic) and drive.topic not in sent)
-        ]
+        meant = (
+            here
+            or [
+                drive
+                for drive in drives
+                if _is_misspelled(one.topic, drive.topic)
+                or (_is_alike(one.topic, drive.topic) and drive.topic not in sent)
+            ]
+            or [
+                # Another name, but of a command, and nothing else commands this drive.
+                drive
+                for drive in drives
+                if drive.type == one.type
+                and _names_command(one.topic)
+                and {each.topic for each in drives} == {drive.topic}
+                and drive.topic not in sent
+            ]
+        )
         if not meant:
             continue
         drive = meant[0]
@@ -297,6 +310,12 @@ def unpublished_topics(graphs: Sequence[Graph], used: Sequence[UsedTopic]) -> It
 def _is_alike(topic: str, other: str) -> bool:
     """Whether two topics have the same name in different namespaces."""
     return topic.rpartition("/")[2] == other.rpartition("/")[2]
+
+
+def _names_command(topic: str) -> bool:
+    """Whether the name is one of commands; a Twist may be a measured velocity, too."""
+    words = topic.rpartition("/")[2].lower().split("_")
+    return not COMMAND_WORDS.isdisjoint(words)
 
 
 def _is_misspelled(topic: str, other: str) -> bool:
