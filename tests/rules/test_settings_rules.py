@@ -101,3 +101,9 @@ def test_iterations_matter_for_wheels_that_skid(
     world = replace(WORLD, iterations=(iterations, 7))
     found = list(iterations_not_simulated(world, [None, drive], ALL))
     assert [one.line for one in found] == [7] * count
+
+
+def test_the_element_is_that_of_the_link_that_is_named() -> None:
+    (found,) = found_in(of("a", "minDepth", 0.001) + of("b", "minDepth", 0.002), ["bullet"])
+    assert "`b` of" in found.message
+    assert found.element == "gazebo[@reference='b']"

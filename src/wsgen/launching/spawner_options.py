@@ -84,6 +84,14 @@ CREATE = Options(
     is_strict=False,
     reads_parameters=True,
 )
+# By package, because names repeat.
+SPAWNERS = {
+    ("gazebo_ros", "spawn_entity.py"): SPAWN_ENTITY,
+    ("ros_gz_sim", "create"): CREATE,
+    ("ros_ign_gazebo", "create"): CREATE,
+}
+SPAWNER_PROGRAMS = frozenset(executable for _, executable in SPAWNERS)
+CONTROLLER_SPAWNERS = frozenset(("spawner", "spawner.py"))  # of controller_manager
 
 
 class Read(NamedTuple):

@@ -31,10 +31,10 @@ from wsgen.launching.descriptions import (
 from wsgen.launching.explain_missing import nodes_of, or_unused_action
 from wsgen.launching.simulators import find_simulator, kind_of_project
 from wsgen.launching.spawner_options import (
-    CREATE,
     INVALID_SPAWNER_OPTION,
     POSE,
-    SPAWN_ENTITY,
+    SPAWNER_PROGRAMS,
+    SPAWNERS,
     Options,
     read_options,
 )
@@ -100,12 +100,6 @@ ASSUMED_SPAWNER = Rule(
     "     arguments=['-topic', 'robot_description', '-entity', 'my_robot'])",
 )
 
-# By package, because names repeat.
-_SPAWNERS = {
-    ("gazebo_ros", "spawn_entity.py"): SPAWN_ENTITY,
-    ("ros_gz_sim", "create"): CREATE,
-    ("ros_ign_gazebo", "create"): CREATE,
-}
 _SPAWNERS_OF_ROS_1 = {"spawn_model", "spawn_urdf", "urdf_spawner"}
 # Launch files of ros_gz_sim that start `create` with their arguments as its parameters.
 _SPAWNING_LAUNCH_FILES = {"gz_spawn_model.launch.py", "ros_gz_spawn_model.launch.py"}
@@ -142,7 +136,7 @@ def names_spawner(file: Path, launch_files: Collection[str]) -> bool:
 
     What spawns are spawners and the packages of Gazebo that have them and the simulator.
     """
-    packages, executables = zip(*_SPAWNERS, strict=True)
+    packages, executables = zip(*SPAWNERS, strict=True)
     names = {*packages, *executables, *_SPAWNING_LAUNCH_FILES, *launch_files}
     texts = [
         node.value
@@ -167,7 +161,7 @@ def assume_spawn(
         message="The launch file spawns no robot.",
         hint=_how_to_spawn(plan),
     )
-    names = {executable for _, executable in _SPAWNERS} | _SPAWNING_LAUNCH_FILES
+    names = SPAWNER_PROGRAMS | _SPAWNING_LAUNCH_FILES
     unused = or_unused_action(missing, plan, "Node", "IncludeLaunchDescription", names=names)
     if unused != missing:
         return None, unused
@@ -261,7 +255,7 @@ def _included_spawners(plan: LaunchPlan) -> Iterator[Process]:
 
 def _read_spawn(plan: LaunchPlan, program: Process) -> Found:
     """What a program spawns, if it is a spawner."""
-    options = _SPAWNERS.get((program.package or "", program.executable or ""))
+    options = SPAWNERS.get((program.package or "", program.executable or ""))
     if options is not None:
         return _read_spawner(plan, program, options)
     request = _request_of(program)

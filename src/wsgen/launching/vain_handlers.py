@@ -13,6 +13,7 @@ from wsgen.diagnostics import Rule, Severity
 from wsgen.launching import commands, known_packages
 from wsgen.launching.explain_missing import nodes_of
 from wsgen.launching.record import RECORD, split_location
+from wsgen.launching.spawner_options import CONTROLLER_SPAWNERS, SPAWNER_PROGRAMS
 from wsgen.model.plan import STARTS_UNKNOWN
 from wsgen.text.suggestions import some_of
 
@@ -40,7 +41,7 @@ VAIN_HANDLER = Rule(
     "                                    on_start=[spawn_robot]))",
 )
 
-_SPAWNERS = frozenset(("spawn_entity.py", "create", "spawner", "spawner.py", "load_controller"))
+_SPAWNERS = SPAWNER_PROGRAMS | CONTROLLER_SPAWNERS | {"load_controller"}
 # They have a window, or a user who ends them, and what follows may clean up.
 _ENDED_BY_USERS = frozenset(
     (

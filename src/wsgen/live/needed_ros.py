@@ -18,6 +18,7 @@ from wsgen.checks.rules.target import target_of
 from wsgen.gazebo.bridged_types import PAIRS
 from wsgen.gazebo.sensors import SENSORS
 from wsgen.launching import commands
+from wsgen.launching.spawner_options import CONTROLLER_SPAWNERS
 from wsgen.model.facts import DISTROS
 from wsgen.model.target import DISTROS_WITH_CLASSIC, Target
 from wsgen.pipeline.installed_as_built import WORDS, texts_below
@@ -87,7 +88,7 @@ OF_CONTROL = ("control_msgs", "controller_manager_msgs")
 ACTUATORS = "use_actuator_msg"  # of plugins
 TRICYCLE = "publish_ackermann_command"  # a parameter of a controller
 CONTROL = "ros2_control"  # in the file names of plugins
-CONTROL_PROGRAMS = frozenset(("spawner", "spawner.py", "unspawner", "ros2_control_node"))
+CONTROL_PROGRAMS = CONTROLLER_SPAWNERS | {"unspawner", "ros2_control_node"}
 # Kinds of sensors whose messages only a package of Gazebo has.
 OF_GAZEBO = sorted(
     kind

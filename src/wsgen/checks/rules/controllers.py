@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launching.commands import started_programs
 from wsgen.launching.explain_missing import EXECUTABLE_NOT_FOUND
-from wsgen.launching.spawner_options import OF_CONTROLLER, OF_SPAWNER
+from wsgen.launching.spawner_options import CONTROLLER_SPAWNERS, OF_CONTROLLER, OF_SPAWNER
 from wsgen.text.suggestions import advice, did_you_mean, nearest
 from wsgen.text.xmltree import children
 
@@ -221,7 +221,7 @@ def _started(plan: LaunchPlan) -> Iterator[tuple[Process, str]]:
     """The controllers that spawners and commands start, without those that bring their type."""
     for program in started_programs(plan):
         names: list[str] = []
-        if program.package == MANAGER and program.executable in {"spawner", "spawner.py"}:
+        if program.package == MANAGER and program.executable in CONTROLLER_SPAWNERS:
             names = _names(program.arguments)
         elif program.executable == "ros2" and program.arguments[:2] in _LOADING:
             names = _names(program.arguments[2:])

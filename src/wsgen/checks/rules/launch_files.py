@@ -11,6 +11,7 @@ from wsgen.diagnostics import Rule, Severity
 from wsgen.launching.commands import started_launch_files, started_programs
 from wsgen.launching.explain import ROS_1_LAUNCH_FILE
 from wsgen.launching.explain_missing import first_missing, nodes_of
+from wsgen.launching.spawner_options import SPAWNER_PROGRAMS
 from wsgen.text.markup import read_text, without_comments
 from wsgen.text.suggestions import advice, some_of
 from wsgen.text.values import lazy_pattern
@@ -72,7 +73,6 @@ _HOME = lazy_pattern(r"(?:file://)?(?:/home|/Users)/[A-Za-z_][\w.-]*/[^\s\"'<>]+
 _HOME_IN_LINE = lazy_pattern(rf"(?:^|[\s\"'=>])({_HOME.pattern})")
 _YAML_COMMENT = lazy_pattern(r"(?:^|(?<=\s))#.*", re.MULTILINE)
 _OF_ROS_1 = lazy_pattern(r"\$\((?:find|arg|optenv)\s|<node\b[^>]*\stype\s*=|<rosparam\b")
-_CHECKED_ELSEWHERE = frozenset(("spawn_entity.py", "create"))  # and worlds, which are no nodes'
 
 
 def missing_argument_files(
@@ -83,7 +83,7 @@ def missing_argument_files(
     `is_known` says of a package that all that it installs is known.
     """
     for program in started_programs(plan):
-        if program.package is None or program.executable in _CHECKED_ELSEWHERE:
+        if program.package is None or program.executable in SPAWNER_PROGRAMS:
             continue
         for path, package in _shared(program):
             if is_known(package) and not Path(path).exists() and not plan.is_unknown(path):

@@ -6,7 +6,6 @@ docs/fidelity.md, the rule's documentation and the tests against Gazebo Classic 
 from __future__ import annotations
 
 import math
-from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
@@ -115,7 +114,9 @@ def without(setting: Setting, engines: Iterable[str]) -> tuple[str, ...]:
 
 def _listed() -> str:
     return "; ".join(
-        one.elements + (f" ({one.matters})" if one.matters else "")
+        one.elements
+        + (f" ({one.matters})" if one.matters else "")
+        + (f", which {name_engines(one.followed_by)} follows" if one.followed_by else "")
         for one in SETTINGS
         if one is not FRICTION_DIRECTION
     )
@@ -126,8 +127,7 @@ SETTING_NOT_SIMULATED = Rule(
     name="setting-not-simulated",
     severity=Severity.INFO,
     summary="The physics engine does not follow a setting that Gazebo Classic follows.",
-    what=f"In runs for Gazebo Classic, looks for these, where they matter: {_listed()}. MuJoCo "
-    "follows `<min_depth>`, `<stopErp>` and `<stopCfm>`.",
+    what=f"In runs for Gazebo Classic, looks for these, where they matter: {_listed()}.",
     why="The robot moves in another way than in Gazebo Classic. docs/fidelity.md says what each "
     "setting does there.",
     example='<gazebo reference="base_link"><kp>1000</kp><kd>10</kd></gazebo>',
@@ -144,20 +144,18 @@ def settings_not_simulated(
         names = list(setting.find(lumped)) if setting.find and lacking else []
         if not names:
             continue
-        tag = next(
-            (tag for tag in written.gazebo if any(key in tag.values for key in setting.keys)), None
-        )
+        tags = [tag for tag in written.gazebo if any(key in tag.values for key in setting.keys)]
+        # That of the first one; one of a link that is lumped into it has another reference.
+        tag = next((tag for tag in tags if tag.reference == names[0]), next(iter(tags), None))
         lines = {link.name: link.line for link in lumped.links}
         lines |= {joint.name: joint.line for joint in lumped.joints}
         of_others = f" and {len(names) - 1} more" if names[1:] else ""
-        yield _report(
-            setting,
-            lacking,
-            f"`{names[0]}`{of_others} of `{written.name}`",
-        )(
+        yield SETTING_NOT_SIMULATED.at(
             file,
             lines[names[0]] if tag is None else tag.line,
             names[0] if tag is None else f"gazebo[@reference='{tag.reference}']",
+            message=_message(setting, lacking, f"`{names[0]}`{of_others} of `{written.name}`"),
+            hint=_hint(setting),
         )
 
 
@@ -170,21 +168,25 @@ def iterations_not_simulated(
     if iterations is None or iterations >= SOLVED or not lacking:
         return
     if any(drive is not None and len(drive.pairs) >= SKIDS for drive in drives):
-        report = _report(ITERATIONS, lacking, f"the world `{world.name}` ({iterations})")
-        yield report(world.file, line, "physics/ode/solver/iters")
+        yield SETTING_NOT_SIMULATED.at(
+            world.file,
+            line,
+            "physics/ode/solver/iters",
+            message=_message(ITERATIONS, lacking, f"the world `{world.name}` ({iterations})"),
+            hint=_hint(ITERATIONS),
+        )
 
 
-def _report(
-    setting: Setting, lacking: Sequence[str], where: str
-) -> Callable[[Path | None, int | None, str], Diagnostic]:
-    """What is reported, for a place: file, line and element."""
+def _message(setting: Setting, lacking: Sequence[str], where: str) -> str:
     does = "does" if len(lacking) == 1 else "do"
     elements = setting.elements.replace("`", "")
-    return partial(
-        SETTING_NOT_SIMULATED.at,
-        message=f"{name_engines(lacking)} {does} not follow {elements} of {where}: in Gazebo "
-        f"Classic, {setting.in_gazebo}.",
-        hint="Simulate it with --engine mujoco (pip install 'wsgen[mujoco]')."
-        if setting.followed_by
-        else "Run wsgen validate --engine gazebo to compare with the Gazebo that is installed.",
+    return (
+        f"{name_engines(lacking)} {does} not follow {elements} of {where}: in Gazebo Classic, "
+        f"{setting.in_gazebo}."
     )
+
+
+def _hint(setting: Setting) -> str:
+    if setting.followed_by:
+        return "Simulate it with --engine mujoco (pip install 'wsgen[mujoco]')."
+    return "Run wsgen validate --engine gazebo to compare with the Gazebo that is installed."

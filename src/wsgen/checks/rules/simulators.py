@@ -9,7 +9,14 @@ from wsgen.diagnostics import Rule, Severity
 from wsgen.launching.commands import started_launch_files, started_programs
 from wsgen.launching.explain_missing import where_written
 from wsgen.launching.simulators import simulator_kinds
-from wsgen.launching.spawner_options import CREATE, read_options
+from wsgen.launching.spawner_options import (
+    CONTROLLER_SPAWNERS,
+    CREATE,
+    SPAWN_ENTITY,
+    SPAWNER_PROGRAMS,
+    SPAWNERS,
+    read_options,
+)
 from wsgen.model.facts import WITHOUT_CLASSIC
 from wsgen.model.target import CLASSIC, SIM
 from wsgen.ros.names import released_packages
@@ -136,9 +143,7 @@ GLUED_ARGUMENTS = Rule(
 
 FACTORY = "libgazebo_ros_factory.so"
 _SPAWNERS = {
-    ("gazebo_ros", "spawn_entity.py"): CLASSIC,
-    ("ros_gz_sim", "create"): SIM,
-    ("ros_ign_gazebo", "create"): SIM,
+    program: CLASSIC if options is SPAWN_ENTITY else SIM for program, options in SPAWNERS.items()
 }
 _NAMES = {CLASSIC: "Gazebo Classic", SIM: "Gazebo Sim"}
 _SPAWNER_OF = {
@@ -302,7 +307,7 @@ def _relies_on_time(plan: LaunchPlan, programs: Iterable[Process]) -> bool:
 
 
 _PUBLISHER = "robot_state_publisher"
-_ONLY_BRING = {"spawner", "spawner.py", *(executable for _, executable in _SPAWNERS)}
+_ONLY_BRING = SPAWNER_PROGRAMS | CONTROLLER_SPAWNERS
 
 
 def uses_sim_time(plan: LaunchPlan, node: Process) -> bool | None:
