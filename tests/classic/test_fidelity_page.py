@@ -45,8 +45,7 @@ def test_the_page_is_what_is_measured(*, regenerate: bool) -> None:
 def measured() -> str:
     """The table of what is equal, and the lists of what is not."""
     robots = read("../robots.json")
-    simulated = {name for name, one in robots.items() if "links" in one}
-    stricter = test_classic_robots.STRICTER
+    loaded = [name for name, one in robots.items() if "links" in one]
     surfaces = {case: (engines, why) for case, (why, engines) in test_surfaces.DIFFERENT.items()}
     joints: Different = {}
     for (case, engine), why in test_joints.DIFFERENT.items():
@@ -58,13 +57,12 @@ def measured() -> str:
     }
     determined = {name for name, one in read("rest_poses.json").items() if "up" in one}
     cases = len(test_descriptions.CASES)
-    refused = cases - len(test_descriptions.STRICTER)
-    read_alike = len(simulated - stricter.keys() - test_classic_robots.DIFFERENT.keys())
+    alike = cases - len(test_descriptions.REFUSED)
     lines = [
         "| accepted or refused; links, joints, masses | cases | equal | test |",
         "|---|---|---|---|",
-        f"| small URDFs with one mistake each | {cases} | {refused} | `test_descriptions.py` |",
-        f"| robots of PyPI | {len(simulated)} | {read_alike} | `test_classic_robots.py` |",
+        f"| small URDFs with one mistake each | {cases} | {alike} | `test_descriptions.py` |",
+        f"| robots of PyPI | {len(loaded)} | {len(loaded)} | `test_classic_robots.py` |",
         "",
         "| what | cases | PyBullet | MuJoCo | DART | test |",
         "|---|---|---|---|---|---|",
@@ -100,21 +98,29 @@ def measured() -> str:
             "drives",
         ),
     ]
-    stricter_lines = [
-        f"- {listed(names)}: {test_classic_robots.WHY[code]}."
-        for code in sorted(test_classic_robots.WHY)
-        if (names := [name for name, codes in stricter.items() if code in codes])
+    losing = test_classic_robots.LOSING
+    lost = [
+        f"- {listed(name for name, codes in losing.items() if code in codes)}: {what}."
+        for code, what in test_classic_robots.LOST.items()
     ]
-    stricter_lines += [
-        f"- `{name}` is loaded with other links: {why.partition(': ')[2]}."
-        for name, why in test_classic_robots.DIFFERENT.items()
+    nothing = [f"- {listed(names)}: {why}." for why, names in test_classic_robots.NOTHING.values()]
+    refused = [
+        f"- `{case}`: {why.partition(': ')[2]}." for case, why in test_descriptions.REFUSED.items()
     ]
     page = "\n".join((
         *lines,
         "",
-        "What is not equal, and why. wsgen refuses robots of PyPI that Gazebo Classic loads:",
+        "What Gazebo Classic loses of robots of PyPI is lost here, too, and an error:",
         "",
-        *stricter_lines,
+        *lost,
+        "",
+        "It loads these, and simulates nothing of them; here they are refused:",
+        "",
+        *nothing,
+        "",
+        "What is not equal, and why. Small URDFs that are loaded there, and refused here:",
+        "",
+        *refused,
         "",
         "Surfaces, rest and joints:",
         "",

@@ -29,7 +29,6 @@ from wsgen.descriptions.meshes.lookup import find_meshes
 from wsgen.descriptions.sdf.models import read_sdf
 from wsgen.descriptions.urdf.lumping import lump
 from wsgen.descriptions.urdf.reader import read_urdf
-from wsgen.diagnostics import Severity
 from wsgen.model.engines import ENGINES as SPECS
 from wsgen.model.kinematics import link_poses
 from wsgen.model.robot import Mesh
@@ -42,7 +41,7 @@ from wsgen.model.transform import (
     rotation_of_rpy,
 )
 from wsgen.model.world import World
-from wsgen.pipeline.prepare import for_simulator
+from wsgen.pipeline.prepare import can_simulate, for_simulator
 from wsgen.simulation.run import missing_engines
 from wsgen.simulation.scene import SpawnedRobot
 from wsgen.simulation.surfaces import lowest_point
@@ -166,7 +165,7 @@ def angle(one: Iterable[float], other: Iterable[float]) -> float:
 def robot_of(name: str) -> tuple[Robot | None, str]:
     """A robot with its collision meshes, and its URDF for the server.
 
-    None of one that wsgen refuses for Gazebo Classic, or that is fixed to the world.
+    None of one that wsgen does not simulate for Gazebo Classic, or that is fixed to the world.
     """
     text, file = read(name)
 
@@ -180,9 +179,9 @@ def robot_of(name: str) -> tuple[Robot | None, str]:
     robot, _ = find_meshes(robot, share_of=share_of, folder=file.parent)
     shapes = [shape.geometry for link in robot.links for shape in link.collisions]
     paths = {shape.uri: shape.path for shape in shapes if isinstance(shape, Mesh)}
-    lumped, more = lump(robot, file=file)
-    codes = [one.severity for one in for_simulator((*found, *more), "classic")]
-    if Severity.ERROR in codes or lumped is None or lumped.fixed_to_world:
+    lumped, more = lump(robot, file=file, for_classic=True)
+    found = tuple(for_simulator((*found, *more), "classic"))
+    if not can_simulate(lumped, found, "classic") or lumped.fixed_to_world:
         return None, ""
     return lumped, _for_server(text, paths)
 

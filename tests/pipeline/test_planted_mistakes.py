@@ -370,6 +370,27 @@ def test_gazebo_loads_the_robot_without_a_plugin(
     assert prepared.can_run
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "code"),
+    [
+        ('<mass value="0.5"/>', '<mass value="0"/>', "ROB040"),
+        ("<collision>", "<collision><geometry><cone/></geometry></collision><collision>", "ROB024"),
+    ],
+)
+def test_gazebo_classic_simulates_what_is_left(
+    tmp_path: Path, old: str, new: str, code: str
+) -> None:
+    file = tmp_path / "rover.urdf"
+    context = PrepareContext(share_of=lambda _: None, folder=tmp_path, run=parent.run)
+    for simulator in ("classic", "gz"):
+        prepared, found = prepare_robot(
+            swap(ROVER, old, new), file=file, context=context, simulator=simulator
+        )
+        assert code in {one.code for one in found if one.severity is Severity.ERROR}
+        assert prepared is not None
+        assert prepared.can_run == (simulator == "classic")
+
+
 def test_gazebo_refuses_a_robot_with_a_plugin_without_a_name(tmp_path: Path) -> None:
     text = swap(ROVER, ' name="gz::sim::systems::DiffDrive"', "")
     prepared, found = prepare(text, tmp_path / "rover.urdf")

@@ -82,6 +82,12 @@ def test_a_warning_about_motion_has_its_cause_in_joints_that_are_not_actuated() 
         ("ROB038", "/sdf/model[@name='m']/link[@name='a']/pse", True),
         ("ROB077", "/sdf/model[@name='m']/link[@name='a']/collision[@name='c']/pose", True),
         ("ROB066", "link[@name='a']/collision/geometry/mesh", True),
+        ("ROB060", "link[@name='a']/collision/geometry/mesh", True),
+        ("ROB040", "link[@name='a']", True),
+        # The parser does not read what comes behind it, either.
+        ("ROB024", "link[@name='a']/visual/geometry", True),
+        ("ROB016", "link[@name='a']/visual/origin/@xyz", True),
+        ("ROB016", "material[@name='m']/color/@rgba", False),
         ("ROB038", "link[@name='a']/visaul", False),
         ("ROB077", "link[@name='a']/visual/origin/@xzy", False),
         ("ROB038", "transmision", False),

@@ -17,6 +17,7 @@ from wsgen.model.robot import (
     Joint,
     JointType,
     Link,
+    Plugin,
     Robot,
     Sensor,
     Sphere,
@@ -137,6 +138,15 @@ def test_lumped_massless_link_does_not_cut_off_its_children() -> None:
     assert [link.name for link in lumped.links] == ["a", "c"]
 
 
+def test_for_gazebo_classic_it_cuts_off_its_children() -> None:
+    links = [body("a"), body("b", None), body("c"), body("d"), body("e")]
+    joints = [fixed("a", "b"), turning("b", "c"), turning("c", "d"), turning("a", "e")]
+    lumped, found = lump(robot(links, joints), for_classic=True)
+    assert [one.code for one in found] == ["ROB080"]
+    assert [link.name for link in lumped.links] == ["a", "e"]
+    assert [joint.name for joint in lumped.joints] == ["a_e"]
+
+
 def test_moving_massless_link_is_dropped_with_what_hangs_on_it() -> None:
     lumped, found = lump(
         robot(
@@ -176,8 +186,64 @@ def test_root_without_mass_is_refused(mass: float | None) -> None:
 
 def test_a_mass_of_almost_nothing_is_a_mass() -> None:
     """Before sdformat's pull request 1238 it was none up to a milligram."""
-    lumped, found = lump(robot([body("a", 1e-7), body("b")], [turning("a", "b")]))
+    light = robot([body("b"), body("a", 1e-7)], [turning("b", "a")])
+    lumped, found = lump(light)
     assert (len(lumped.links), found) == (2, ())
+    lumped, found = lump(light, for_classic=True)
+    assert ([one.name for one in lumped.links], found[0].code) == (["b"], "ROB040")
+
+
+@pytest.mark.parametrize(
+    ("inertia", "is_taken"),
+    [
+        ((0.1, 0.0, 0.0, 0.1, 0.0, 0.1), True),
+        ((9.0, 0.0, 0.0, 0.1, 0.0, 0.1), True),  # of no body, which ODE does not mind
+        ((0.0, 0.0, 0.0, 0.1, 0.0, 0.1), False),
+        ((0.1, 0.0, 0.0, -0.1, 0.0, 0.1), False),
+        ((0.1, 0.2, 0.0, 0.1, 0.0, 0.1), False),
+        ((0.1, 0.0, 0.0, 0.1, 0.2, 0.1), False),
+    ],
+)
+def test_the_engine_of_gazebo_classic_wants_positive_moments(
+    inertia: tuple[float, float, float, float, float, float], *, is_taken: bool
+) -> None:
+    """As a pendulum on a hinge swings there."""
+    only = Link(name="a", inertial=Inertial(mass=2.0, inertia=inertia))
+    lumped, _ = lump(robot([only], []), for_classic=True)
+    assert lumped.links[0].inertial is not None
+    assert lumped.links[0].inertial.mass == 2.0
+    assert lumped.links[0].inertial.inertia == (inertia if is_taken else UNIT)
+
+
+SEEN = {"visuals": (Visual(geometry=Sphere(radius=0.1)),)}
+CAMERA = GazeboTag(reference="b", sensors=(Sensor(name="s"),))
+DRIVE = Plugin(filename="libp.so", values={"body_name": ("b",)})
+
+
+@pytest.mark.parametrize(
+    ("frame", "joints", "tags", "severity"),
+    [
+        (body("b", None), [fixed("a", "b")], [], Severity.WARNING),
+        (body("b", None, **SEEN), [fixed("a", "b")], [], Severity.ERROR),
+        (body("b", None), [turning("a", "b")], [], Severity.ERROR),
+        (body("b", None), [fixed("a", "b"), turning("b", "c")], [], Severity.ERROR),
+        (body("b", None), [fixed("a", "b")], [CAMERA], Severity.ERROR),
+        (
+            body("b", None),
+            [fixed("a", "b")],
+            [GazeboTag(reference=None, plugins=(DRIVE,))],
+            Severity.ERROR,
+        ),
+    ],
+)
+def test_a_dropped_frame_is_an_error_where_something_of_it_is_used(
+    frame: Link, joints: list[Joint], tags: list[GazeboTag], severity: Severity
+) -> None:
+    kept = GazeboTag(reference="a_b", values={"preserveFixedJoint": "true"})
+    links = [body("a"), frame, *([body("c")] if joints[1:] else [])]
+    lumped, found = lump(robot(links, joints, gazebo=(kept, *tags)))
+    assert [link.name for link in lumped.links] == ["a"]
+    assert [(one.code, one.severity) for one in found] == [("ROB040", severity)]
 
 
 @pytest.mark.parametrize(

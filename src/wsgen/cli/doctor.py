@@ -20,7 +20,8 @@ from wsgen.errors import EXIT_FAILED, EXIT_PASSED
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from wsgen.building.machine import DoctorReport, Requirement
+    from wsgen.doctor.machine import Requirement
+    from wsgen.doctor.report import DoctorReport
 
 
 @click.command(
@@ -50,7 +51,8 @@ def command(
     import os
     import time
 
-    from wsgen.building.machine import check_machine, here
+    from wsgen.doctor.machine import here
+    from wsgen.doctor.report import check_machine
 
     if ctx.get_parameter_source("distro") is click.core.ParameterSource.DEFAULT:
         distro = _recorded() or distro

@@ -194,15 +194,15 @@ ZERO_SIZE = Rule(
     code="ROB028",
     name="zero-size",
     severity=Severity.ERROR,
-    severity_varies="a warning for a `<visual>` of a URDF, for the `<size>` of a plane, and for a "
-    "flat box, which most builds of Gazebo accept",
+    severity_varies="a warning in Gazebo Classic, which simulates the robot, for a `<visual>` of a "
+    "URDF, for the `<size>` of a plane, and for a flat box, which most builds of Gazebo accept",
     summary="A size or scale is not greater than 0.",
     what=(
         "Checks lengths, radii and scales of shapes and meshes. A negative scale mirrors a mesh."
     ),
     why=(
-        "The physics engine of Gazebo terminates the program on a collision of size 0; a visual of "
-        "size 0 is invisible."
+        "The physics engine of Gazebo Sim terminates the program on a collision of size 0; in "
+        "Gazebo Classic it does not collide. A visual of size 0 is invisible."
     ),
     example='<cylinder radius="0" length="0.1"/>',
     instead='<cylinder radius="0.05" length="0.1"/>',
@@ -279,7 +279,8 @@ IMPOSSIBLE_INERTIA = Rule(
         "other two."
     ),
     why=(
-        "Gazebo Sim refuses the robot; in physics engines it spins or explodes. For links that are "
+        "Gazebo Sim refuses the robot; in physics engines it spins or explodes. Gazebo Classic "
+        "takes 1 kg m² about each axis where the moments are not positive. For links that are "
         "fixed together, only the sum matters."
     ),
     example='<inertia ixx="1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>',

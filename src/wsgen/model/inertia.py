@@ -117,6 +117,14 @@ def is_possible(six: Six) -> bool:
     return low >= -slack and low + middle >= high - slack
 
 
+def is_positive_definite(six: Six) -> bool:
+    """Whether all principal moments are positive."""
+    xx, xy, xz, yy, yz, zz = six
+    minor = xx * yy - xy * xy
+    determinant = zz * minor + 2 * xy * xz * yz - xx * yz * yz - yy * xz * xz
+    return xx > 0 and minor > 0 and determinant > 0
+
+
 def of_solid(geometry: Geometry, mass: float) -> Vector | None:
     """Principal moments of an evenly filled body along its frame's axes.
 

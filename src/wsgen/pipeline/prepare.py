@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.checks.rules.check import check_robot
-from wsgen.checks.rules.drives import turning_friction
+from wsgen.checks.rules.friction import turning_friction
 from wsgen.checks.rules.plugins import DUPLICATE_SENSOR
 from wsgen.checks.rules.robot_files import (
     UNPREFIXED_XACRO,
@@ -30,11 +30,16 @@ from wsgen.descriptions.rules import (
     MIRRORED_MESH,
     MISSING_COLLISION_MESH,
     MISSING_VISUAL_MESH,
+    NO_SHAPE,
+    NOT_A_NUMBER,
     ONE_NAME_FOR_LINK_AND_JOINT,
+    UNNAMED_ELEMENT,
+    ZERO_SIZE,
 )
 from wsgen.descriptions.sdf.includes import DATABASE_MODELS
 from wsgen.descriptions.sdf.lookup import is_folder, model_finder, model_folders, resource_folders
 from wsgen.descriptions.sdf.models import read_model, read_sdf
+from wsgen.descriptions.urdf.links import INCOMPLETE_INERTIAL, UNNAMED_MESH
 from wsgen.descriptions.urdf.lumping import (
     DROPPED_BY_OLD_SDFORMAT,
     DROPPED_LINK,
@@ -78,8 +83,18 @@ SEVERITIES: Mapping[str, Mapping[str, Severity]] = {
         IMPOSSIBLE_SUM.code: Severity.WARNING,
         DUPLICATE_SENSOR.code: Severity.WARNING,
         MIRRORED_MESH.code: Severity.WARNING,
+        ZERO_SIZE.code: Severity.WARNING,
+        DROPPED_BY_OLD_SDFORMAT.code: Severity.ERROR,
     },
 }
+# Of errors in a link, those with which Gazebo drops it or parts of it, and goes on.
+DROPS_PARTS = MISSPELLED.union(
+    rule.code
+    for rule in (
+        *(DROPPED_LINK, DROPPED_BY_OLD_SDFORMAT, INCOMPLETE_INERTIAL, MISSING_COLLISION_MESH),
+        *(NO_SHAPE, NOT_A_NUMBER, UNNAMED_ELEMENT, UNNAMED_MESH),
+    )
+)
 # What only older versions of sdformat do.
 OLD_SDFORMAT = frozenset((LUMPED_END_OF_SDF_JOINT.code, DROPPED_BY_OLD_SDFORMAT.code))
 FORTRESS = frozenset(("humble", "iron"))  # distributions with a Gazebo Sim that may have such
@@ -193,7 +208,7 @@ def _prepare(
     written, found = read_urdf(text, file=file)
     prepared = None
     if written is not None:
-        readable, lumped, more = _as_in_gazebo(written, file, context)
+        readable, lumped, more = _as_in_gazebo(written, file, context, simulator)
         found, more = _at_the_misspelling(found, more)
         checked = check_robot(readable, file, in_gazebo=lumped, simulator=simulator, distro=distro)
         lacking = settings_not_simulated(written, lumped, file, context.engines)
@@ -205,7 +220,7 @@ def _prepare(
             lumped=lumped,
             readable=readable,
             # What Gazebo goes on without is reported, and the robot does not pass.
-            can_run=not keeps_out(found),
+            can_run=can_simulate(lumped, found, simulator),
             drive=_drive(lumped, simulator),
             text=text,
         )
@@ -219,6 +234,21 @@ def _prepare(
     if written is not None and file is not None:
         found = _at_the_call((*found, *_of_files(sources, written, file, found)))
     return prepared and replace(prepared, diagnostics=found), found
+
+
+def can_simulate(lumped: Robot, found: Iterable[Diagnostic], simulator: str | None) -> bool:
+    """Whether what a simulator makes of a robot is known well enough, and is anything.
+
+    What Gazebo Classic makes of one that it drops parts of was compared with it.
+    """
+    is_known = not keeps_out(
+        one
+        for one in found
+        if simulator != "classic"
+        or one.code not in DROPS_PARTS
+        or not (one.element or "").startswith("link[")
+    )
+    return is_known and len(lumped.links) > lumped.fixed_to_world
 
 
 def keeps_out(found: Iterable[Diagnostic]) -> bool:
@@ -361,14 +391,14 @@ def _first_of_each_inertial(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnost
 
 
 def _as_in_gazebo(
-    written: Robot, file: Path | None, context: PrepareContext
+    written: Robot, file: Path | None, context: PrepareContext, simulator: str | None
 ) -> tuple[Robot, Robot, tuple[Diagnostic, ...]]:
     """The robot with its meshes, as it is written and as Gazebo has it."""
     located, missing = find_meshes(
         written, share_of=context.share_of, folder=file.parent if file else None, file=file
     )
     readable, broken = complete_meshes(located, file, context)
-    lumped, dropped = lump(readable, file=file)
+    lumped, dropped = lump(readable, file=file, for_classic=simulator == "classic")
     return readable, lumped, (*missing, *broken, *dropped)
 
 

@@ -251,7 +251,10 @@ def _read_sampling(source: Source, shape: Element) -> int:
 
 
 def is_sized(source: Source, shape: Element, sizes: tuple[float, ...]) -> bool:
-    """Whether a shape has a usable size in all directions; other shapes are reported."""
+    """Whether a shape has a usable size in all directions; other shapes are reported.
+
+    Gazebo Classic takes a negative size of a box or cylinder for a positive one; Gazebo Sim ends.
+    """
     if all(0 < size <= FARTHEST for size in sizes):
         return True
     if shape.tag == "box" and min(sizes) == 0 and max(sizes) <= FARTHEST:
@@ -270,7 +273,7 @@ def is_sized(source: Source, shape: Element, sizes: tuple[float, ...]) -> bool:
         hint="Write every length, radius and scale as a positive number (m): Gazebo's physics "
         "engine terminates the program on most shapes without extent.",
     )
-    return False
+    return shape.tag in {"box", "cylinder"} and all(0 < abs(size) <= FARTHEST for size in sizes)
 
 
 def _size_rule(sizes: tuple[float, ...]) -> Rule:
@@ -483,7 +486,8 @@ class ShapeReader:
             return None
         if shape.tag == "box":
             size = triple(self.source, shape, "size", default=(1.0, 1.0, 1.0))
-            return Box(size=size) if is_sized(self.source, shape, size) else None
+            x, y, z = map(abs, size)
+            return Box(size=(x, y, z)) if is_sized(self.source, shape, size) else None
         radius = number(
             self.source,
             shape,
@@ -495,7 +499,7 @@ class ShapeReader:
             return Sphere(radius=radius) if is_sized(self.source, shape, (radius,)) else None
         if not is_sized(self.source, shape, (radius, length)):
             return None
-        return ROUND[str(shape.tag)](radius=radius, length=length)
+        return ROUND[str(shape.tag)](radius=abs(radius), length=abs(length))
 
     def _mesh(self, shape: Element, owner: Element) -> Geometry | None:
         uri = word(shape, "uri")

@@ -377,7 +377,10 @@ def _read_shape(collector: Collector, shape: Element, path: str) -> Geometry | U
         return Unusable.UNREADABLE
     if not all(size > 0 for size in sizes):
         is_flat = shape.tag == "box" and min(sizes) == 0
-        return _without_extent(collector, shape, path, "A size", is_flat=is_flat)
+        without = _without_extent(collector, shape, path, "A size", is_flat=is_flat)
+        if 0 in sizes or shape.tag == "sphere" or _is_only_seen(path):
+            return without
+        sizes = tuple(map(abs, sizes))  # as Gazebo Classic has it; Gazebo Sim ends there
     if shape.tag == "box":
         return Box(size=(sizes[0], sizes[1], sizes[2]))
     if shape.tag == "sphere":
@@ -441,8 +444,8 @@ def _without_extent(
         collector.report(
             ZERO_SIZE,
             f"{message}.",
-            hint="Write every length, radius and scale as a positive number (m): Gazebo's physics "
-            "engine terminates the program on such a shape.",
+            hint="Write every length, radius and scale as a positive number (m): Gazebo Sim's "
+            "physics engine terminates the program on such a shape.",
             at=shape,
             path=path,
         )

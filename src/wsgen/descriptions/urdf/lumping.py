@@ -1,8 +1,8 @@
 """The robot that Gazebo builds from a URDF: fixed joints lumped, massless links dropped.
 
 The rules are those of sdformat's `parser_urdf.cc` since its pull request 1238 (March 2023, in
-12.7.2, 13.5 and 14.0); before it, a lumped link without mass also cut off its children. What
-Gazebo leaves out, or refuses, on the way is reported.
+9.10.1, 12.7.2, 13.5 and 14.0), and those before it: there a lumped link without mass also cuts off
+its children. What Gazebo leaves out, or refuses, on the way is reported.
 """
 
 from __future__ import annotations
@@ -23,13 +23,20 @@ from wsgen.descriptions.urdf.gazebo import (
     without_effect,
 )
 from wsgen.diagnostics import Measured, Rule, Severity
-from wsgen.model.inertia import about_link_axes, as_attributes, if_filled, is_possible, moved
+from wsgen.model.inertia import (
+    about_link_axes,
+    as_attributes,
+    if_filled,
+    is_positive_definite,
+    is_possible,
+    moved,
+)
 from wsgen.model.robot import Inertial, Joint, JointLimit, JointType
 from wsgen.model.transform import IDENTITY, Pose, compose
 from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
@@ -42,6 +49,7 @@ WORLD = "world"  # sdformat's word for what never moves; it knows no other way t
 NAMED = 8  # at most so many names stand in a message
 # Of a fixed joint whose lumping is disabled: no movement, by any force.
 HELD = JointLimit(lower=0.0, upper=0.0, effort=-1.0, velocity=-1.0)
+OF_ODE = (1.0, 0.0, 0.0, 1.0, 0.0, 1.0)  # kg m²
 # Gazebo makes no joint of these: what hangs on them is loose.
 LOOSE = frozenset((JointType.FLOATING, JointType.PLANAR))
 
@@ -49,14 +57,15 @@ DROPPED_LINK = Rule(
     code="ROB040",
     name="dropped-link",
     severity=Severity.ERROR,
-    severity_varies="a warning for links that are fixed to the world and carry nothing, such as a "
-    "plate under an arm, and from `wsgen check` where nothing in the workspace uses Gazebo",
+    severity_varies="a warning for links that are only frames, or are fixed to the world and carry "
+    "nothing, such as a plate under an arm, and from `wsgen check` where nothing in the workspace "
+    "uses Gazebo",
     measured=Measured(classic="simulates what is left", sim="accepts it"),
     summary="Gazebo drops a link without mass and everything that is attached to it.",
     why=(
         "`sdformat` drops a link without mass unless a fixed joint attaches it to a link with "
         "mass. The robot in Gazebo lacks the link, its joint and everything below it; older "
-        "versions do not print a warning."
+        "versions do not print a warning. wsgen simulates what is left for Gazebo Classic."
     ),
     example='<link name="wheel">\n  <collision>…</collision>\n</link>',
     instead=(
@@ -191,6 +200,7 @@ DROPPED_BY_OLD_SDFORMAT = Rule(
     code="ROB080",
     name="dropped-by-old-sdformat",
     severity=Severity.WARNING,
+    severity_varies="an error in Gazebo Classic, which Ubuntu 22.04 has with such a version",
     summary="Older versions of sdformat drop links on movable joints of a link without mass.",
     why=(
         "`sdformat` before 9.10.1, 12.7.2 and 13.5 (Debian 12 and Ubuntu 22.04 have such "
@@ -214,20 +224,27 @@ DROPPED_BY_OLD_SDFORMAT = Rule(
 )
 
 
-def lump(robot: Robot, *, file: Path | None = None) -> tuple[Robot, tuple[Diagnostic, ...]]:
+def lump(
+    robot: Robot, *, file: Path | None = None, for_classic: bool = False
+) -> tuple[Robot, tuple[Diagnostic, ...]]:
     """Lump fixed joints into their parents, drop what Gazebo drops, apply its tags.
 
     Poses, centers of mass and inertias of the result are seen from the links that are left, which
     keep their names and frames; the order of links and joints is kept. The robot must be a tree,
-    as `read_urdf` gives it. `file` is what the diagnostics name.
+    as `read_urdf` gives it. `file` is what the diagnostics name. For Gazebo Classic, the rules are
+    those before sdformat's pull request 1238, and inertias those of its engine.
     """
     bodies = _bodies_of(robot)
-    kept, dropped = _drop_massless(robot, bodies)
+    kept, dropped = _drop_massless(robot, bodies, NO_MASS if for_classic else 0.0)
+    below_massless = list(_below_massless(robot, bodies, kept))
+    if for_classic:
+        lost = {link for _, _, links in below_massless for link in links}
+        kept = [name for name in kept if name not in lost]
     reported = {name for name, body in bodies.items() if body.has_error}
     diagnostics = [
         *_only_world(robot, file),
         *_check_sdf_joints(robot, bodies, file),
-        *_dropped_by_old_sdformat(robot, bodies, kept, file),
+        *_dropped_by_old_sdformat(robot, bodies, below_massless, file),
         *_report_dropped(
             robot, bodies, [name for name in dropped if not bodies[name].has_error], file
         ),
@@ -242,7 +259,9 @@ def lump(robot: Robot, *, file: Path | None = None) -> tuple[Robot, tuple[Diagno
         if name not in reported:
             diagnostics += _two_zero_masses(robot, body, file)
             diagnostics += _impossible_sum(body, links[name], file)
-            diagnostics += _without_inertia(body, links[name], file)
+            diagnostics += _without_inertia(body, links[name], file, for_classic=for_classic)
+        if for_classic:
+            links[name] = _with_inertia_of_ode(links[name])
         if body.is_as_meant:
             diagnostics += _values_without_effect(body, links[name], about, file)
         links[name] = with_extensions(links[name], about, self_collide=collides)
@@ -270,6 +289,13 @@ def _link_of(robot: Robot, body: Body) -> Link:
         visuals=body.visuals(),
         collisions=body.collisions(),
     )
+
+
+def _with_inertia_of_ode(link: Link) -> Link:
+    """ODE takes 1 kg m² about each axis where the moments are not all positive."""
+    if link.inertial is None or is_positive_definite(link.inertial.inertia):
+        return link
+    return replace(link, inertial=replace(link.inertial, inertia=OF_ODE))
 
 
 def _assembled(
@@ -544,12 +570,14 @@ def joints_that_say(robot: Robot, key: str) -> set[str]:
     }
 
 
-def _drop_massless(robot: Robot, bodies: Mapping[str, Body]) -> tuple[list[str], list[str]]:
+def _drop_massless(
+    robot: Robot, bodies: Mapping[str, Body], no_mass: float
+) -> tuple[list[str], list[str]]:
     """The bodies that stay, and those whose lack of mass cuts off what hangs on them."""
     kept, dropped, queue = [], [], [robot.root]
     for name in queue:
         is_world = robot.fixed_to_world and name == robot.root
-        if is_world or bodies[name].mass > 0:
+        if is_world or bodies[name].mass > no_mass:
             kept.append(name)
             queue += [joint.child for joint in bodies[name].joints]
         else:
@@ -606,33 +634,42 @@ def _check_sdf_joints(
                 )
 
 
-def _dropped_by_old_sdformat(
-    robot: Robot, bodies: Mapping[str, Body], kept: Sequence[str], file: Path | None
-) -> Iterator[Diagnostic]:
-    """What hangs on a lumped link without mass, which older versions drop with it."""
+def _below_massless(
+    robot: Robot, bodies: Mapping[str, Body], kept: Sequence[str]
+) -> Iterator[tuple[str, str, list[str]]]:
+    """Bodies, links without mass lumped into them, and what older versions drop with these."""
     joints: dict[str, list[Joint]] = {}
     for joint in robot.joints:
         joints.setdefault(joint.parent, []).append(joint)
-    links = {link.name: link for link in robot.links}
     for name in kept:
-        body = bodies[name]
-        for massless in reversed(body.massless):
+        for massless in reversed(bodies[name].massless):
             below = [massless]
             for link in below:
                 below += [joint.child for joint in joints.pop(link, ())]
-            lost = [link for link in below if link in bodies]
-            mass = sum(bodies[link].mass for link in lost)
-            if mass and body.is_as_meant:
-                yield DROPPED_BY_OLD_SDFORMAT.at(
-                    file,
-                    links[massless].line,
-                    f"link[@name='{massless}']",
-                    message=f"`{massless}` has no mass, and sdformat before 9.10.1, 12.7.2 and "
-                    "13.5 (Debian 12 and Ubuntu 22.04 have such) drops the links on its movable "
-                    f"joints: {_named(lost)}, {mass:.4g} kg.",
-                    hint=f"Add an <inertial> with a small mass to `{massless}`, or attach "
-                    f"{_named(lost[:1])} to `{name}`.",
-                )
+            yield name, massless, [link for link in below if link in bodies]
+
+
+def _dropped_by_old_sdformat(
+    robot: Robot,
+    bodies: Mapping[str, Body],
+    below_massless: Iterable[tuple[str, str, list[str]]],
+    file: Path | None,
+) -> Iterator[Diagnostic]:
+    """What hangs on a lumped link without mass, which older versions drop with it."""
+    links = {link.name: link for link in robot.links}
+    for name, massless, lost in below_massless:
+        mass = sum(bodies[link].mass for link in lost)
+        if mass and bodies[name].is_as_meant:
+            yield DROPPED_BY_OLD_SDFORMAT.at(
+                file,
+                links[massless].line,
+                f"link[@name='{massless}']",
+                message=f"`{massless}` has no mass, and sdformat before 9.10.1, 12.7.2 and "
+                "13.5 (Debian 12 and Ubuntu 22.04 have such) drops the links on its movable "
+                f"joints: {_named(lost)}, {mass:.4g} kg.",
+                hint=f"Add an <inertial> with a small mass to `{massless}`, or attach "
+                f"{_named(lost[:1])} to `{name}`.",
+            )
 
 
 def _report_dropped(
@@ -658,7 +695,9 @@ def _report_dropped(
                 if blamed.name == name
                 else "."
             ),
-            severity=Severity.WARNING if _is_scenery(bodies, name) and not is_all else None,
+            severity=Severity.WARNING
+            if not is_all and (_is_scenery(bodies, name) or _is_frame(robot, bodies, name))
+            else None,
         )
 
 
@@ -667,6 +706,21 @@ def _is_scenery(bodies: Mapping[str, Body], name: str) -> bool:
     on_the_world = bodies[WORLD].joints if WORLD in bodies else ()
     return not bodies[name].joints and any(
         joint.child == name and joint.type is JointType.FIXED for joint in on_the_world
+    )
+
+
+def _is_frame(robot: Robot, bodies: Mapping[str, Body], name: str) -> bool:
+    """Whether only frames are dropped with a body: nothing to see or touch, that moves or is used.
+
+    A plugin or a sensor uses what it is in or names.
+    """
+    lost = {name, *_below(bodies, name)}
+    plugins = [plugin for tag in robot.gazebo for plugin in tag.plugins]
+    return not (
+        any(link.visuals or link.collisions for link in robot.links if link.name in lost)
+        or any(joint.is_movable for joint in robot.joints if joint.child in lost)
+        or any((tag.sensors or tag.plugins) and tag.reference in lost for tag in robot.gazebo)
+        or any(lost.intersection(texts) for one in plugins for texts in one.values.values())
     )
 
 
@@ -748,7 +802,9 @@ def _impossible_sum(body: Body, link: Link, file: Path | None) -> Iterator[Diagn
     )
 
 
-def _without_inertia(body: Body, lumped: Link, file: Path | None) -> Iterator[Diagnostic]:
+def _without_inertia(
+    body: Body, lumped: Link, file: Path | None, *, for_classic: bool
+) -> Iterator[Diagnostic]:
     """A mass without any inertia, on which engines diverge; `lumped` is all of the body."""
     if lumped.inertial is None or any(lumped.inertial.inertia):
         return
@@ -760,7 +816,11 @@ def _without_inertia(body: Body, lumped: Link, file: Path | None) -> Iterator[Di
         f"link[@name='{link.name}']/inertial/inertia",
         severity=Severity.WARNING,
         message=f"The link `{link.name}` has a mass of {lumped.inertial.mass:g} kg and no inertia: "
-        "every contact makes it spin.",
+        + (
+            "Gazebo Classic takes 1 kg m² about each axis."
+            if for_classic
+            else "every contact makes it spin."
+        ),
         hint="Compute the inertia from mass and shape, or export it from CAD."
         if (moments := if_filled(link)) is None
         else f"If the mass is right and the body homogeneous, write {as_attributes(moments)} (kg "
