@@ -115,7 +115,6 @@ def test_doctor_loads_no_library_but_what_draws_its_table(tmp_path: Path) -> Non
         "building",
         "cli",
         "diagnostics",
-        "doctor",
         "errors",
         "isolation",  # a child draws a picture
         "model",

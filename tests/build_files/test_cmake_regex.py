@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from build_files.test_cmake import BOTH, read, shared
-from wsgen.packages.build_files.cmake_regex import compiled, replace, search
+from wsgen.packages.build_files.cmake_values import compiled_regex, search_regex
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -44,24 +44,12 @@ SEARCHES = [
     ("[b-a]", "a", None),
     ("*a", "a", None),
 ]
-# Pattern, replacement, text, what CMake makes of it.
-REPLACEMENTS = [
-    (".*/", "", "a/b/c.py", "c.py"),
-    (r"([a-z]+)\.py", r"\1_node", "talker.py;listener.py", "talker_node;listener_node"),
-    ("^src", "lib", "src/src", "lib/src"),
-    ("(b|c)(a)", r"\2\1\\\n", "baca", "ab\\\nac\\\n"),
-]
 
 
 @pytest.mark.parametrize(("pattern", "text", "expected"), SEARCHES)
 def test_search(pattern: str, text: str, expected: bool | None) -> None:
-    assert search(pattern, text) is expected
-    assert (compiled(pattern) is None) is (expected is None)
-
-
-@pytest.mark.parametrize(("pattern", "other", "text", "expected"), REPLACEMENTS)
-def test_replace(pattern: str, other: str, text: str, expected: str) -> None:
-    assert replace(pattern, other, text) == expected
+    assert search_regex(pattern, text) is expected
+    assert (compiled_regex(pattern) is None) is (expected is None)
 
 
 @pytest.mark.skipif(shutil.which("cmake") is None, reason="CMake is not installed")
@@ -71,41 +59,25 @@ def test_cmake_says_the_same(tmp_path: Path) -> None:
         if expected is not None:
             call = f"if([==[{text}]==] MATCHES [==[{pattern}]==])"
             lines.append(f"{call}\nmessage(yes)\nelse()\nmessage(no)\nendif()")
-    for pattern, other, text, _ in REPLACEMENTS:
-        lines.append(
-            f"string(REGEX REPLACE [==[{pattern}]==] [==[{other}]==] out [==[{text}]==])\n"
-            'message("${out}")'
-        )
     (tmp_path / "a.cmake").write_text("\n".join(lines))
     run = subprocess.run(
         ["cmake", "-P", tmp_path / "a.cmake"], check=False, stderr=subprocess.PIPE, text=True
     )
     assert run.stderr.splitlines() == [
-        *("yes" if one[2] else "no" for one in SEARCHES if one[2] is not None),
-        *(line for one in REPLACEMENTS for line in one[3].split("\n")),
+        "yes" if one[2] else "no" for one in SEARCHES if one[2] is not None
     ]
 
 
 def test_patterns_that_backtrack_without_end() -> None:
-    assert search("(a+)+$", "a" * 50_000 + "!") is None
-    assert search("(a|aa)+$", "a" * 50_000 + "!") is None
-    assert search("a+$", "a" * 50_000 + "!") is None
-    assert search("^a", "a" * 50_000 + "!") is True
-    assert replace("(a+)+$", "", "a" * 50_000 + "!") is None
-    assert replace("a+a+a+a+a+$", "", "a" * 5_000 + "!") is None
-
-
-def test_what_cmake_may_refuse_is_not_known() -> None:
-    assert replace("(b)?a", r"\1", "baa") is None
-    assert replace("a", r"\1", "a") is None
-    assert replace("a", r"\q", "a") is None
-    assert replace("a*", "b", "a") is None
-    assert replace("^a", "b", "aa") is None  # the versions of CMake differ
+    assert search_regex("(a+)+$", "a" * 50_000 + "!") is None
+    assert search_regex("(a|aa)+$", "a" * 50_000 + "!") is None
+    assert search_regex("a+$", "a" * 50_000 + "!") is None
+    assert search_regex("^a", "a" * 50_000 + "!") is True
 
 
 def test_a_pattern_may_be_larger_than_anybody_writes() -> None:
-    assert search("(" * 240 + "a" + ")" * 240, "a") is not False
-    assert search("a" * 5_000, "a") is None
+    assert search_regex("(" * 240 + "a" + ")" * 240, "a") is not False
+    assert search_regex("a" * 5_000, "a") is None
 
 
 @pytest.mark.parametrize(
@@ -113,7 +85,6 @@ def test_a_pattern_may_be_larger_than_anybody_writes() -> None:
     [
         'set(long "{a}!")\nif(long MATCHES "(a+)+$")\nendif()',
         'set(all "{a}!" b)\nlist(FILTER all EXCLUDE REGEX "(a+)+$")',
-        'string(REGEX REPLACE "(a+)+$" "" out "{a}!")',
         'install(DIRECTORY urdf DESTINATION share/bot REGEX "/(.*.*)*.*.*!$" EXCLUDE)',
     ],
 )

@@ -21,7 +21,7 @@ from classic.joint_cases import CASES
 from classic.worlds import not_followed
 from simulation.conftest import CLASSES
 from simulation.robots import VOID, spawned
-from wsgen.checks.rules.damping import unstable_damping
+from wsgen.checks.rules.joint_limits import unstable_damping
 from wsgen.checks.rules.settings import KINEMATIC, STOPS
 from wsgen.descriptions.urdf.lumping import lump
 from wsgen.descriptions.urdf.reader import read_urdf

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from wsgen.building import machine
+from wsgen.building.machine import DoctorReport
 from wsgen.cli import run, terminal
-from wsgen.doctor import machine
-from wsgen.doctor.report import DoctorReport
 from wsgen.model.target import TARGETS, Target
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.checks.rules.named_worlds import is_folder_reported, missing_world
+from wsgen.checks.rules.worlds import is_folder_reported, missing_world
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.plan import LaunchPlan, Process
 from wsgen.packages.workspace.layout import PackageFolder, Workspace, read_package

@@ -8,7 +8,7 @@ import pytest
 
 from ros_nodes.sensor_messages import install_sensor_messages
 from ros_nodes.test_sensors import ROVER, SURROUNDINGS, mounted, simulated
-from wsgen.checks.rules import gazebo_topics
+from wsgen.checks.rules import node_topics
 from wsgen.descriptions.sdf.source import read_document
 from wsgen.gazebo.bridged_types import PAIRS
 from wsgen.gazebo.sensors import SENSORS as KNOWN_SENSORS
@@ -59,7 +59,7 @@ def in_checks(text: str, place: str = "link name='base'") -> set[tuple[str, str]
         f"<sdf><model name='rover'><{place}>{text}</{place.partition(' ')[0]}></model></sdf>"
     )
     assert root is not None
-    return {(one.name, one.type) for one in gazebo_topics.topics_of(root, "rover", "field")}
+    return {(one.name, one.type) for one in node_topics.topics_of(root, "rover", "field")}
 
 
 @pytest.mark.parametrize("topic", TOPICS.values(), ids=TOPICS)

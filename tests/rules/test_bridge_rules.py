@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from wsgen.checks.rules.bridges import BOTH, FROM_GZ, TO_GZ, Bridge, check_bridges, find_bridges
-from wsgen.checks.rules.gazebo_topics import topics_of
+from wsgen.checks.rules.node_topics import topics_of
 from wsgen.descriptions.sdf.source import read_document
 from wsgen.model.plan import Include, LaunchPlan, Process, Unresolved
 

@@ -9,7 +9,7 @@ import pytest
 
 from urdf_texts import MASS, joint, link, robot, shape
 from wsgen.checks.rules.bodies import slippery_wheels
-from wsgen.checks.rules.friction import friction_without_direction, turning_friction
+from wsgen.checks.rules.drives import friction_without_direction, turning_friction
 from wsgen.descriptions.urdf.lumping import lump
 from wsgen.descriptions.urdf.reader import read_urdf
 

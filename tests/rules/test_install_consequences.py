@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.checks.rules.install_consequences import fold_not_installed
+from wsgen.checks.rules.consequences import fold_not_installed
 from wsgen.checks.rules.launch_files import MISSING_ARGUMENT_FILE
 from wsgen.checks.rules.plugins import PLUGIN_OF_OTHER_SIMULATOR
 from wsgen.checks.rules.ros2_control import UNSUITED_HARDWARE

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from wsgen.checks.rules.joint_states import find_providers, no_joint_states
+from wsgen.checks.rules.frames import find_providers, no_joint_states
 from wsgen.descriptions.sdf.source import read_document
 from wsgen.model.plan import Include, LaunchPlan, Process, Unresolved
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.checks.rules.materials import ogre_materials
+from wsgen.checks.rules.robot_files import ogre_materials
 from wsgen.diagnostics import Severity
 from wsgen.model.robot import Box, GazeboTag, Link, Visual
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.checks.rules.mesh_addresses import mesh_addresses, model_addresses, relative_addresses
+from wsgen.checks.rules.robot_files import mesh_addresses, model_addresses, relative_addresses
 from wsgen.text.markup import elements
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.checks.rules.parameter_files import malformed_parameter_files
+from wsgen.checks.rules.launch_files import malformed_parameter_files
 
 if TYPE_CHECKING:
     from pathlib import Path

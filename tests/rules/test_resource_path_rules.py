@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.checks.rules.resource_paths import SearchPath, mesh_packages, no_resource_path
+from wsgen.checks.rules.launch_files import SearchPath, mesh_packages, no_resource_path
 from wsgen.model.plan import Process
 from wsgen.model.world import Spawn
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.checks.rules.spawn_heights import check_spawn_height, lowest_point
+from wsgen.checks.rules.entities import check_spawn_height, lowest_point
 from wsgen.model.robot import (
     Box,
     Capsule,

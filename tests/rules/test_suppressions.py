@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from wsgen.checks.rules.catalogue import find_rule
+from wsgen.checks.rules.catalogue import OF_MACHINE, find_rule, suppress
 from wsgen.checks.rules.robots import MASSLESS_ROOT, NO_VISUAL
 from wsgen.checks.rules.runs import FALLS_WITHOUT_END
-from wsgen.checks.rules.suppressions import OF_MACHINE, suppress
 from wsgen.descriptions.urdf.reader import UNKNOWN_URDF_VERSION
 from wsgen.diagnostics import has_errors
 from wsgen.packages.workspace.settings import Allowance

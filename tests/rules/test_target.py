@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from wsgen.checks.rules.target import Target, target_of
+from wsgen.checks.rules.manifests import Target, target_of
 from wsgen.packages.workspace.manifest import Dependency, Manifest
 
 

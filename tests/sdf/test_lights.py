@@ -71,11 +71,6 @@ def test_the_default_is_gazebos_own() -> None:
     assert (x / z, y / z) == pytest.approx((5 / 9, -1 / 9))
 
 
-def test_names(read: Read) -> None:
-    world = sun_of(read, light("lamp", "", "point") + SUN + light("moon", ""))
-    assert world.lights == ("lamp", "sun", "moon")
-
-
 def test_what_is_wrong_with_a_light(read: Read) -> None:
     wrong = light("a", "<direction>0 0 nan</direction><diffuse>1 2</diffuse>")
     file = read(f'<world name="w">{GROUND}{wrong}</world>')

@@ -216,7 +216,6 @@ def test_a_world_with_models(read: Read) -> None:
     assert file.world is not None
     assert (file.world.name, file.world.gravity) == ("yard", (0, 0, -1.6))
     assert file.world.has_ground_plane
-    assert file.world.lights == ("sun",)
     assert [(one.name, one.pose_in_world.xyz) for one in file.world.models] == [
         ("ground_plane", (0, 0, 0)),
         ("a", (1, 0, 0)),

@@ -55,7 +55,6 @@ def test_the_tutorials_world(tmp_path: Path) -> None:
     assert read.gravity == (0.0, 0.0, -9.8)
     assert read.step == 0.001
     assert read.has_ground_plane
-    assert read.lights == ("sun",)
     assert [model.name for model in read.models] == ["ground_plane"]
 
 

@@ -20,8 +20,7 @@ from wsgen.errors import EXIT_FAILED, EXIT_PASSED
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from wsgen.doctor.machine import Requirement
-    from wsgen.doctor.report import DoctorReport
+    from wsgen.building.machine import DoctorReport, Requirement
 
 
 @click.command(
@@ -51,8 +50,7 @@ def command(
     import os
     import time
 
-    from wsgen.doctor.machine import here
-    from wsgen.doctor.report import check_machine
+    from wsgen.building.machine import check_machine, here
 
     if ctx.get_parameter_source("distro") is click.core.ParameterSource.DEFAULT:
         distro = _recorded() or distro

@@ -73,13 +73,6 @@ def systems() -> dict[str, tuple[str, ...]]:
     return found
 
 
-def system_of(filename: str) -> str | None:
-    """The class of the system that a library holds; None of any other library, and of several."""
-    found = _LIBRARY.fullmatch(filename)
-    classes = systems().get(found[3], ()) if found else ()
-    return classes[0] if len(classes) == 1 else None
-
-
 def loaded_class(filename: str, name: str) -> str | None:
     """The class of the system that a plugin loads; None where it is another one, or fails."""
     found = _LIBRARY.fullmatch(filename.rpartition("/")[2])

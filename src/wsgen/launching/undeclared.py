@@ -104,15 +104,14 @@ def is_brought(package: str, declared: Collection[str]) -> bool:
     )
 
 
-def undeclared(packages: Sequence[str], users: str, tag: str = "exec_depend") -> tuple[str, str]:
+def undeclared(packages: Sequence[str], users: str) -> tuple[str, str]:
     """Message and hint.
 
     Args:
         packages: their names, at least one.
         users: what uses them, with its verb: "the launch file uses".
-        tag: of the elements to add.
     """
-    lines = " ".join(f"<{tag}>{package}</{tag}>" for package in packages)
+    lines = " ".join(f"<exec_depend>{package}</exec_depend>" for package in packages)
     return (
         f"package.xml does not declare {listed(packages)}, which {users}.",
         f"Add to package.xml: {lines}",

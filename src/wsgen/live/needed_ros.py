@@ -14,7 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.checks.rules.target import target_of
+from wsgen.checks.rules.manifests import target_of
 from wsgen.gazebo.bridged_types import PAIRS
 from wsgen.gazebo.sensors import SENSORS
 from wsgen.launching import commands

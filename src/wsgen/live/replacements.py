@@ -66,7 +66,6 @@ _WINDOW = LeftOut(
 )
 _SPAWNER = BuiltIn(module=f"{NODES}.controller_spawner", with_sourced_ros=True)
 _STATIC = BuiltIn(module=f"{NODES}.static_transform_publisher")
-_NOT_ON_PYPI = "it is C++ that PyPI does not have; with ROS 2 installed and sourced it runs"
 _DRAWS = "it draws with libraries that PyPI does not have; with ROS 2 installed and sourced it runs"
 
 

@@ -81,8 +81,6 @@ class BuildFacts:
     environment: tuple[tuple[str, str], ...] = ()
     # Folders that are installed as they are: below the prefix -> the source folder.
     folders: Mapping[str, Path] = field(default_factory=dict)
-    # What CMake needs of ROS's packages at the run time of others: ament_export_dependencies().
-    exported_packages: tuple[str, ...] = ()
     # Commands that not every distribution has -> file and 1-based line of each call.
     dated_calls: Mapping[str, tuple[tuple[Path, int], ...]] = field(default_factory=dict)
     is_whole: bool = True  # False: it may install more than can be read from the files

@@ -128,7 +128,6 @@ TARGETS = tuple(
     for simulator in SIMULATORS
     for distro in (DISTROS_WITH_CLASSIC if simulator == "classic" else DISTROS)
 )
-DEFAULT_DISTRO = "iron"  # the tutorial's
 # Distribution -> the simulator that is meant where none is named; for the others it is gz.
 USUAL_SIMULATOR = {"iron": CLASSIC}
 DEFAULT_TARGET = next(

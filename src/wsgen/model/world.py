@@ -47,7 +47,6 @@ class World:
     models: tuple[PlacedModel, ...] = ()
     has_ground_plane: bool = False  # a plane at z = 0 that carries the robots
     ground_friction: float = 1.0  # its coefficient; of it and the other one, the smaller counts
-    lights: tuple[str, ...] = ()
     # Of the first directional light that shines down: which way it goes, of length 1, in the world
     # frame, and its red, green and blue from 0 to 1. Without one these are Gazebo's own sun's.
     sun_direction: tuple[float, float, float] = SUN_DIRECTION

@@ -10,17 +10,15 @@ from wsgen.checks.rules import (
     bridges,
     controllers,
     frames,
-    joint_states,
     launch_files,
-    mesh_addresses,
     node_topics,
-    parameter_files,
+    robot_files,
     simulators,
     worlds,
 )
-from wsgen.checks.rules.gazebo_topics import topics_of
+from wsgen.checks.rules.entities import check_spawn_height
+from wsgen.checks.rules.node_topics import topics_of
 from wsgen.checks.rules.robots import OVERSIZED_PART
-from wsgen.checks.rules.spawn_heights import check_spawn_height
 from wsgen.descriptions.sdf.includes import DATABASE_MODELS, MODEL_LEFT_OUT
 from wsgen.descriptions.sdf.lookup import find_world, model_finder
 from wsgen.descriptions.sdf.source import SIZE_LIMIT, load, read_document
@@ -38,7 +36,7 @@ from wsgen.text.xmltree import child_text, children
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 
-    from wsgen.checks.rules.gazebo_topics import GazeboTopic
+    from wsgen.checks.rules.node_topics import GazeboTopic
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.package import ShareOf
     from wsgen.model.plan import LaunchPlan
@@ -114,7 +112,7 @@ def check_launched(  # noqa: PLR0913  most have defaults
     started_here = frozenset(controllers.started_controllers(plan))
     for file, content in files.items():
         if content is None:
-            yield from parameter_files.malformed_parameter_files(file)
+            yield from launch_files.malformed_parameter_files(file)
         else:
             yield from controllers.unknown_types(file, content, started_here)
     if not is_included:
@@ -154,7 +152,7 @@ def _check_joint_states(
 ) -> Iterator[Diagnostic]:
     """Check who publishes joint states; what has no publisher of transforms may be started, too."""
     for other in beside:
-        providers = joint_states.find_providers(other, may_publish, broadcasters)
+        providers = frames.find_providers(other, may_publish, broadcasters)
         has_some = providers.publish_all or providers.bridged or simulator_kinds(other)
         if not providers.starts_publisher and (has_some or not providers.is_known):
             return
@@ -165,14 +163,14 @@ def _check_joint_states(
         root = read_document(robot.text)[0] if isinstance(robot, Description) else None
         if root is not None:
             robots.append((publisher, root))
-    if any(next(joint_states.movable_joints(root), None) for _, root in robots):
-        yield from joint_states.no_joint_states(
+    if any(next(frames.movable_joints(root), None) for _, root in robots):
+        yield from frames.no_joint_states(
             plan,
             robots,
             [*_descriptions(started)]
             if started.spawns and all(spawn.description for spawn in started.spawns)
             else [],
-            joint_states.find_providers(plan, may_publish, broadcasters),
+            frames.find_providers(plan, may_publish, broadcasters),
         )
 
 
@@ -195,18 +193,18 @@ def may_publish_joint_states(packages: Iterable[PackageFolder]) -> Callable[[str
 def check_addresses(started: Started, share_of: ShareOf) -> Iterator[Diagnostic]:
     """Check the addresses of meshes in what a launch file publishes for RViz and Gazebo."""
     plan = started.plan
-    shows = any(one.executable == mesh_addresses.RVIZ for one in started_programs(plan))
+    shows = any(one.executable == robot_files.RVIZ for one in started_programs(plan))
     for publisher in published_descriptions(plan).values():
         robot = read_published(plan, publisher)
         if not isinstance(robot, Description) or robot.file is None:
             continue
-        addresses = mesh_addresses.mesh_addresses(robot.text)
+        addresses = robot_files.mesh_addresses(robot.text)
         if all(one.startswith(("package://", "file://")) for one in addresses):
             continue
         written = written_elements(robot.file, share_of)
-        yield from mesh_addresses.relative_addresses(addresses, robot.file, written)
+        yield from robot_files.relative_addresses(addresses, robot.file, written)
         if shows:
-            yield from mesh_addresses.model_addresses(addresses, robot.file, written)
+            yield from robot_files.model_addresses(addresses, robot.file, written)
 
 
 def check_heights(
@@ -326,7 +324,7 @@ def check_texts(
             if file.suffix != ".rviz":
                 yield from _check_paths(file, content)
                 yield from _check_controllers(file, content, started)
-                yield from parameter_files.malformed_parameter_files(file, content)
+                yield from launch_files.malformed_parameter_files(file, content)
     if package.build_type != "catkin":
         yield from launch_files.ros_1_launch_files(of_ros_1)
 

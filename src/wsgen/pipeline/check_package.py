@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.rules import launch_files
 from wsgen.checks.rules.consequences import without_explained
-from wsgen.checks.rules.target import target_of
+from wsgen.checks.rules.manifests import target_of
 from wsgen.descriptions.xacro.source import without_call
 from wsgen.diagnostics import has_errors
 from wsgen.isolation.parent import make_part

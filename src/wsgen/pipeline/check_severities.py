@@ -12,7 +12,7 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wsgen.checks.rules.friction import NO_FRICTION_DIRECTION
+from wsgen.checks.rules.drives import NO_FRICTION_DIRECTION
 from wsgen.checks.rules.ros2_control import INCOMPLETE_CONTROL
 from wsgen.checks.rules.settings import SETTING_NOT_SIMULATED
 from wsgen.descriptions.rules import (

@@ -8,9 +8,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wsgen.checks.rules.install_consequences import OF_FOLDERS
-from wsgen.checks.rules.joint_states import NO_JOINT_STATES
-from wsgen.checks.rules.target import target_of
+from wsgen.checks.rules.consequences import OF_FOLDERS
+from wsgen.checks.rules.frames import NO_JOINT_STATES
+from wsgen.checks.rules.manifests import target_of
 from wsgen.diagnostics import Severity
 from wsgen.launching.undeclared import UNDECLARED_PACKAGE
 from wsgen.packages.build_files.facts import read_build_facts

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.building.last_build import explain_builds, needed_by
 from wsgen.checks.rules.controller_joints import MISSING_CONTROLLER_FILE
-from wsgen.checks.rules.named_worlds import MISSING_WORLD
+from wsgen.checks.rules.worlds import MISSING_WORLD
 from wsgen.descriptions.rules import MISSING_COLLISION_MESH, MISSING_VISUAL_MESH
 from wsgen.launching.explain_missing import (
     EXECUTABLE_NOT_FOUND,

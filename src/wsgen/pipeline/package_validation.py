@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 
 from wsgen.checks.rules.catalogue import unknown_rule_allowed, without_allowed
 from wsgen.checks.rules.consequences import without_explained
+from wsgen.checks.rules.drives import friction_without_direction
 from wsgen.checks.rules.entities import spawned_twice
-from wsgen.checks.rules.friction import friction_without_direction
-from wsgen.checks.rules.named_worlds import (
+from wsgen.checks.rules.settings import iterations_not_simulated
+from wsgen.checks.rules.worlds import (
     UNKNOWN_WORLD,
     is_folder_reported,
     missing_world,
     unknown_world,
     world_not_here,
 )
-from wsgen.checks.rules.settings import iterations_not_simulated
 from wsgen.descriptions.sdf.lookup import find_world, is_brought_along, is_there
 from wsgen.descriptions.sdf.source import is_sdf
 from wsgen.descriptions.sdf.worlds import default_world

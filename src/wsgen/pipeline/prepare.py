@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.checks.rules.check import check_robot
-from wsgen.checks.rules.friction import turning_friction
+from wsgen.checks.rules.drives import turning_friction
 from wsgen.checks.rules.plugins import DUPLICATE_SENSOR
 from wsgen.checks.rules.robot_files import (
     UNPREFIXED_XACRO,

@@ -11,7 +11,7 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.checks.rules.resource_paths import VARIABLES
+from wsgen.checks.rules.launch_files import VARIABLES
 from wsgen.descriptions.sdf.includes import GROUND_PLANE_SDF
 from wsgen.diagnostics import Severity
 from wsgen.errors import NotFoundError

@@ -11,11 +11,11 @@ from wsgen.checks.rules.catalogue import (
     FAMILIES,
     all_rules,
     find_rule,
+    suppress,
     unknown_rule_allowed,
     without_allowed,
 )
-from wsgen.checks.rules.install_consequences import fold_not_installed
-from wsgen.checks.rules.suppressions import suppress
+from wsgen.checks.rules.consequences import fold_not_installed
 from wsgen.diagnostics import has_errors, worst_of_each
 from wsgen.errors import NotFoundError, RequestError
 from wsgen.packages.workspace.settings import find_comments, read_comments, read_settings

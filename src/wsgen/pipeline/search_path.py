@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.checks.rules.resource_paths import VARIABLES, SearchPath, mesh_packages, no_resource_path
+from wsgen.checks.rules.launch_files import VARIABLES, SearchPath, mesh_packages, no_resource_path
 from wsgen.launching.commands import started_launch_files, started_programs
 from wsgen.launching.simulators import simulator_kinds
 from wsgen.model.target import CLASSIC, SIM

@@ -6,7 +6,7 @@ import time
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.checks.rules.target import target_of
+from wsgen.checks.rules.manifests import target_of
 from wsgen.diagnostics import Rule, Severity, has_errors
 from wsgen.launching.descriptions import (
     UNPUBLISHED_DESCRIPTION,
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from pathlib import Path
 
-    from wsgen.checks.rules.target import Target
+    from wsgen.checks.rules.manifests import Target
     from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.parent import Run
     from wsgen.model.plan import LaunchPlan, Process

@@ -112,10 +112,10 @@ class Sensed(NamedTuple):
     """A depth image and a segmentation image, height by width."""
 
     depth: Floats  # m, along the camera's axis; infinite where nothing is seen
-    item: NDArray[np.int32]  # number in `Renderer.items`, GROUND or NOTHING
+    item: NDArray[np.int32]  # number in `Renderer.items`, or NOTHING
 
 
-NOTHING, GROUND = -1, -2
+NOTHING = -1
 
 
 class Renderer:
@@ -268,11 +268,8 @@ class Renderer:
         """The numbers of the items that are seen."""
         return self._item[triangles_of(keys)]
 
-    def sense(self, camera: Camera, *, has_ground: bool = False) -> Sensed:
-        """How far away what a camera sees is, and which item it is; what is transparent is solid.
-
-        The ground is the plane z = 0.
-        """
+    def sense(self, camera: Camera) -> Sensed:
+        """How far away what a camera sees is, and which item: what is transparent is solid."""
         view = camera.view
         seen = self.see(view)
         keys = seen.nearest
@@ -281,14 +278,6 @@ class Renderer:
         places = np.flatnonzero(keys)
         depth[places] = 1 / nearness_of(keys[places]).astype(np.float64)
         item[places] = self.items_of(keys[places])
-        if has_ground:
-            x, y = seen.grid.places(np.arange(len(keys)))
-            right, down, ahead = np.linalg.inv(view.matrix)[2]
-            falls = right * (x - view.width / 2) + down * (y - view.height / 2) + ahead
-            with np.errstate(divide="ignore", invalid="ignore"):
-                ground = -camera.eye[2] / falls
-            is_ground = (ground > 0) & (ground < depth)
-            depth[is_ground], item[is_ground] = ground[is_ground], GROUND
         shape = (view.height, view.width)
         return Sensed(depth.astype(np.float32).reshape(shape), item.reshape(shape))
 

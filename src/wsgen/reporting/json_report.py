@@ -17,10 +17,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
     from pathlib import Path
 
+    from wsgen.building.machine import DoctorReport, Requirement
     from wsgen.building.run import BuildResult
     from wsgen.diagnostics import Diagnostic, Rule
-    from wsgen.doctor.machine import Requirement
-    from wsgen.doctor.report import DoctorReport
     from wsgen.model.behavior import BehaviorOutcome
     from wsgen.model.outcome import NotValidated, Outcome, PackageOutcome, Rest, RobotOutcome
     from wsgen.model.plan import (

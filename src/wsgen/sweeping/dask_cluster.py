@@ -48,7 +48,6 @@ SCHEMES = ("", "tcp", "tls")  # without one it is tcp
 MOST_PORTS = 1 << 16
 CONNECT_SECONDS = 10.0
 WORKER_SECONDS = 30.0  # for the first worker of a cluster to be there
-SECONDS_TO_CLOSE = 10.0
 COUNT_EVERY = 5.0  # s, between two looks at how many threads the workers have
 CALLS_A_THREAD = 3  # that are submitted, so that no thread waits for the next one
 IDLE_SECONDS = 60.0  # after that a worker ends a child that nobody calls

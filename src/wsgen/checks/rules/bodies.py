@@ -11,7 +11,7 @@ import math
 import re
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.checks.rules.friction import is_oblique
+from wsgen.checks.rules.drives import is_oblique
 from wsgen.checks.rules.robots import HEAVIEST, IMPLAUSIBLE_INERTIA, LARGEST, ratio, volume_of
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.inertia import as_attributes, of_solid, principal_moments

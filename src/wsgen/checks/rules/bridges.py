@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.checks.rules.parameter_files import malformed_parameter_files
+from wsgen.checks.rules.launch_files import malformed_parameter_files
 from wsgen.checks.rules.simulators import BRIDGES
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.gazebo.bridged_types import PAIRS, short_gz_type
@@ -19,7 +19,7 @@ from wsgen.text.values import lazy_pattern
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Sequence
 
-    from wsgen.checks.rules.gazebo_topics import GazeboTopic
+    from wsgen.checks.rules.node_topics import GazeboTopic
     from wsgen.model.plan import LaunchPlan, Process
 
 

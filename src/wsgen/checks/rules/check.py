@@ -9,12 +9,12 @@ from wsgen.checks.rules import (
     drives,
     joint_limits,
     lumped,
-    materials,
     plugins,
+    robot_files,
     robots,
     ros2_control,
 )
-from wsgen.checks.rules.damping import unstable_damping
+from wsgen.checks.rules.joint_limits import unstable_damping
 from wsgen.descriptions.urdf.lumping import joints_that_say
 
 if TYPE_CHECKING:
@@ -99,7 +99,7 @@ def check_robot(
         *drives.check_drive(written, file),
         *ros2_control.check_control(control, file),
         *ros2_control.transmissions(written.transmissions, written.joints, written.controls, file),
-        *materials.ogre_materials(
+        *robot_files.ogre_materials(
             written.links, written.gazebo, file, simulator=simulator, distro=distro
         ),
         *(() if in_gazebo is None else lumped.check_lumped(written, in_gazebo, file)),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.checks.rules.controller_parameters import invalid_parameters
+from wsgen.checks.rules.controllers import invalid_parameters
 from wsgen.diagnostics import Rule, Severity
 from wsgen.text.suggestions import did_you_mean, nearest, some_of
 from wsgen.text.values import lazy_pattern

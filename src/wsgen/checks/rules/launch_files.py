@@ -1,17 +1,24 @@
-"""The rules about what launch files and parameter files write: paths, files, arguments."""
+"""The rules about what launch files and files of parameters write: paths, files, arguments.
+
+Source of the search path: gazebosim/gz-sim, src/Util.cc; gazebosim/gazebo-classic,
+gazebo/common/SystemPaths.cc; the launch files of gazebo_ros and ros_gz_sim, which read the exports
+of package.xml.
+"""
 
 from __future__ import annotations
 
 import ast
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launching.commands import started_launch_files, started_programs
 from wsgen.launching.explain import ROS_1_LAUNCH_FILE
 from wsgen.launching.explain_missing import first_missing, nodes_of
 from wsgen.launching.spawner_options import SPAWNER_PROGRAMS
+from wsgen.model.target import CLASSIC, SIM, SIMULATORS
+from wsgen.text import yamlfile
 from wsgen.text.markup import read_text, without_comments
 from wsgen.text.suggestions import advice, some_of
 from wsgen.text.values import lazy_pattern
@@ -21,6 +28,7 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.plan import LaunchPlan, Process
+    from wsgen.model.world import Spawn
 
 
 MISSING_ARGUMENT_FILE = Rule(
@@ -273,3 +281,176 @@ def ros_1_launch_files(files: Iterable[Path]) -> Iterator[Diagnostic]:
             hint="Rewrite it as NAME.launch.py or NAME.launch.xml, or remove it.",
             severity=Severity.WARNING,
         )
+
+
+NO_RESOURCE_PATH = Rule(
+    code="LCH090",
+    name="no-resource-path",
+    severity=Severity.WARNING,
+    summary="Gazebo does not find the meshes of a robot: its search path lacks their package.",
+    what="For `package://` and `model://` meshes of spawned robots in packages of the workspace, "
+    "searches the folders of the simulator's variable as the launch file, environment hooks and "
+    "the shell set it, and those of `<gazebo_ros gazebo_model_path=...>` in package.xml where the "
+    "launch file of `ros_gz_sim` or `gazebo_ros` reads it.",
+    why="RViz finds the meshes by their package. Gazebo looks for `model://PACKAGE` in its own "
+    "search path: the robot is invisible there, and links with collision meshes fall through the "
+    "ground.",
+    example='<mesh filename="package://my_robot/meshes/base.stl"/>',
+    instead="<!-- package.xml of my_robot -->\n<export>\n"
+    '  <gazebo_ros gazebo_model_path="${prefix}/.."/>\n</export>',
+)
+
+VARIABLES = {
+    SIM: ("GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GZ_FILE_PATH", "SDF_PATH"),
+    CLASSIC: ("GAZEBO_MODEL_PATH",),
+}
+_MESH = lazy_pattern(
+    r"(?:<mesh\b[^>]*?\bfilename\s*=\s*[\"']|<uri>\s*)(?:package|model)://([\w-]+)/"
+)
+_LAUNCH_FILE = {SIM: "gz_sim.launch.py of ros_gz_sim", CLASSIC: "gazebo.launch.py of gazebo_ros"}
+
+
+class SearchPath(NamedTuple):
+    """Where a simulator looks for `model://`."""
+
+    folders: tuple[str, ...]
+    reads_exports: bool  # of package.xml; their folders are among these
+    has_exports: bool = False  # whether there are any
+    set_in_vain: str = ""  # a variable that only the other simulator reads
+
+
+def mesh_packages(text: str) -> list[str]:
+    """The packages, or models, that the meshes of a description are looked up in."""
+    return list(dict.fromkeys(_MESH.findall(text)))
+
+
+def no_resource_path(
+    spawns: Iterable[Spawn], kind: str, path: SearchPath, is_missing: Callable[[str], bool]
+) -> Iterator[Diagnostic]:
+    """Report robots with meshes that their simulator does not find.
+
+    Args:
+        spawns: The robots.
+        kind: The simulator that is started.
+        path: Where it looks.
+        is_missing: Whether a package is of the workspace and in none of these folders.
+    """
+    for spawn in spawns:
+        packages = [one for one in mesh_packages(spawn.description) if is_missing(one)]
+        if packages:
+            yield NO_RESOURCE_PATH.at(
+                spawn.process.file if spawn.process else None,
+                spawn.process.line if spawn.process else None,
+                spawn.entity,
+                message=f"{SIMULATORS[kind]} does not find the meshes of "
+                f"{some_of([f'package://{one}' for one in packages])}, so that `{spawn.entity}` is "
+                f"invisible there: {_why(kind, path)}.",
+                hint=_what_to_do(kind, path, packages[0]),
+            )
+            return
+
+
+def _why(kind: str, path: SearchPath) -> str:
+    variable = VARIABLES[kind][0]
+    if path.has_exports and not path.reads_exports:
+        return (
+            f"only the launch file of {_LAUNCH_FILE[kind].rpartition(' ')[2]}, which is not used "
+            "here, reads <gazebo_ros> in package.xml"
+        )
+    if path.set_in_vain:
+        return f"it reads {variable}, not {path.set_in_vain}"
+    if path.folders:
+        return f"no folder of {variable} has the package"
+    return f"nothing adds the folder of the package to {variable}"
+
+
+def _what_to_do(kind: str, path: SearchPath, package: str) -> str:
+    if path.reads_exports:
+        return (
+            'Add <gazebo_ros gazebo_model_path="${prefix}/.."/> to <export> in '
+            f"package.xml of {package}."
+        )
+    return (
+        f"Add AppendEnvironmentVariable('{VARIABLES[kind][0]}', "
+        f"os.path.join(get_package_prefix('{package}'), 'share')) to the launch file, before it "
+        "starts Gazebo."
+    )
+
+
+MALFORMED_PARAMETER_FILE = Rule(
+    code="LCH099",
+    name="malformed-parameter-file",
+    severity=Severity.ERROR,
+    severity_varies="a warning about a misspelled `ros__parameters`",
+    summary="A parameter file or the configuration file of a bridge is not valid.",
+    what="Reads the YAML files of a package that contain `ros__parameters`, or topics of a bridge.",
+    why="The node that reads the file exits with an error, or gets none of the parameters.",
+    example="""
+diff_drive_controller:
+  ros_parameters:
+    wheel_radius: 0.1
+""",
+    instead="""
+diff_drive_controller:
+  ros__parameters:
+    wheel_radius: 0.1
+""",
+)
+
+_OF_NODES = (b"ros__param", b"ros_param", b"gz_topic_name", b"ros_topic_name", b"gz_type_name")
+_MISSPELLED = lazy_pattern(r"ros_*param(?:eter)?s?")
+_TEMPLATE = lazy_pattern(r"\{\{|\{%")
+DEEPEST = 8  # namespaces
+
+
+def malformed_parameter_files(file: Path, content: bytes | None = None) -> Iterator[Diagnostic]:
+    """Report a YAML file that a node cannot read.
+
+    `content` is what is in it, where it is not known that a node reads it.
+    """
+    if content is not None and not any(sign in content for sign in _OF_NODES):
+        return
+    found = yamlfile.load_parameters(file)
+    if isinstance(found, yamlfile.Value):
+        yield from _misspelled_sections(file, found)
+        return
+    if not isinstance(found, yamlfile.NotYaml):
+        return
+    text = read_text(file) or ""
+    if _TEMPLATE.search(text):
+        return  # something makes YAML of it
+    lines = text.splitlines()
+    line = next(
+        (
+            number
+            for number, one in enumerate(lines, 1)
+            if "\t" in one[: len(one) - len(one.lstrip())]
+        ),
+        None,
+    )
+    yield MALFORMED_PARAMETER_FILE.at(
+        file,
+        line or found.line,
+        message=f"{file.name} is not valid YAML: "
+        + ("this line is indented with a tab." if line else f"{found.message.rstrip('.')}."),
+        hint="Indent it with spaces, like the lines around it."
+        if line
+        else "Check indentation, colons, quotes and brackets in this line and the one before.",
+    )
+
+
+def _misspelled_sections(file: Path, value: yamlfile.Value, level: int = 0) -> Iterator[Diagnostic]:
+    for key, inner in value.items():
+        if key == "ros__parameters":
+            continue
+        if _MISSPELLED.fullmatch(key) and isinstance(inner.content, dict):
+            yield MALFORMED_PARAMETER_FILE.at(
+                file,
+                inner.line - 1,
+                key,
+                message=f"ROS does not read parameters below `{key}`: the node does not get them.",
+                hint="Write `ros__parameters`, with two underscores.",
+                severity=Severity.WARNING,
+            )
+        elif level < DEEPEST:
+            yield from _misspelled_sections(file, inner, level + 1)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wsgen.checks.rules.friction import turning_friction
+from wsgen.checks.rules.drives import turning_friction
 from wsgen.checks.rules.robots import BEYOND
 from wsgen.diagnostics import Rule, Severity
 from wsgen.gazebo.sensors import FRAME_NAMES

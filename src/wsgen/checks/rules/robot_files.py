@@ -1,13 +1,16 @@
-"""Rules about the files that a robot is written in: URDF, and xacro before it is expanded.
+"""Rules about the files of a robot: URDF and xacro, materials, addresses of meshes.
 
-The parameters of a check are the elements as they are written.
+The parameters of a check are the elements as they are written, and other facts.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from wsgen.descriptions.meshes.lookup import ON_WINDOWS, address_in_package
 from wsgen.diagnostics import Rule, Severity
+from wsgen.model.robot import GAZEBO_COLORS
+from wsgen.text.suggestions import some_of
 from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
@@ -15,6 +18,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
+    from wsgen.model.robot import GazeboTag, Link
     from wsgen.text.markup import Written
 
 
@@ -164,3 +168,178 @@ def uncalled_macros(elements: Sequence[Written], main: Path) -> Iterator[Diagnos
                 "the robot.",
                 hint=f"Write <xacro:{name} …/> after its definition, or remove the macro.",
             )
+
+
+# The distributions whose Gazebo Sim does not know names such as Gazebo/Red.
+WITHOUT_COLOR_NAMES = ("humble", "iron")
+OGRE_MATERIAL = Rule(
+    code="ROB125",
+    name="ogre-material",
+    severity=Severity.INFO,
+    summary="A robot for Gazebo Sim uses an Ogre material script.",
+    what="Looks for `<material>` in `<gazebo>` elements of links whose visuals do not have a "
+    "color. The names `Gazebo/NAME` are reported only for Humble and Iron: later releases know "
+    "them as colors.",
+    why="Gazebo Sim does not read Ogre material scripts, and draws the link in white or gray.",
+    example='<gazebo reference="base_link">\n  <material>Gazebo/Red</material>\n</gazebo>',
+    instead="""
+<link name="base_link">
+  <visual>
+    <geometry>…</geometry>
+    <material name="red"><color rgba="1 0 0 1"/></material>
+  </visual>
+</link>
+""",
+)
+# Where sdformat has the name of a script: its own key, and that of SDF which it copies.
+_SCRIPTS = ("material", "visual/material/script/name")
+_COLORS = ("visual/material/ambient", "visual/material/diffuse", "visual/material/pbr")
+
+
+def ogre_materials(
+    links: Iterable[Link],
+    tags: Iterable[GazeboTag],
+    file: Path | None,
+    *,
+    simulator: str | None,
+    distro: str | None,
+) -> Iterator[Diagnostic]:
+    """Report material scripts in a robot for Gazebo Sim, each once."""
+    if simulator != "gz":
+        return
+    tags = tuple(tags)
+    colored = {tag.reference for tag in tags if any(key.startswith(_COLORS) for key in tag.values)}
+    plain = {
+        link.name
+        for link in links
+        if any(visual.rgba is None and visual.texture is None for visual in link.visuals)
+        and link.is_as_meant
+    }
+    uses: dict[str, list[tuple[GazeboTag, str]]] = {}
+    for tag in tags:
+        key = next((key for key in _SCRIPTS if tag.values.get(key)), None)
+        if key is None or tag.reference not in plain or tag.reference in colored:
+            continue
+        if _is_script(tag.values[key], distro):
+            uses.setdefault(tag.values[key], []).append((tag, key))
+    for name, places in uses.items():
+        tag, key = places[0]
+        about = list(dict.fromkeys(f"`{one.reference}`" for one, _ in places))
+        yield OGRE_MATERIAL.at(
+            file,
+            tag.line,
+            f"gazebo[@reference='{tag.reference}']/{key}",
+            message=f"Gazebo Sim does not read the material script `{name}`: it draws "
+            f"{some_of(about)} in white or gray.",
+            hint=f"Write in each <visual> of {some_of(about)}: {_instead(name)}",
+        )
+
+
+def _is_script(name: str, distro: str | None) -> bool:
+    """Whether Gazebo Sim does not know the name; one that no Gazebo knows is reported as such."""
+    if "$" in name:
+        return False  # not resolved
+    if name.startswith("Gazebo/"):
+        return distro in WITHOUT_COLOR_NAMES and name in GAZEBO_COLORS
+    return True
+
+
+def _instead(name: str) -> str:
+    """The color of a URDF that is meant."""
+    word = name.rpartition("/")[2]
+    rgba = GAZEBO_COLORS.get(f"Gazebo/{word}")
+    numbers = "R G B 1" if rgba is None else " ".join(f"{part:g}" for part in rgba)
+    return f'<material name="{word.lower()}"><color rgba="{numbers}"/></material>'
+
+
+RELATIVE_ADDRESS = Rule(
+    code="ROB126",
+    name="relative-mesh-address",
+    severity=Severity.WARNING,
+    summary="A robot that `robot_state_publisher` publishes has a mesh with a relative path.",
+    what="In the robot that a launch file gives to `robot_state_publisher`, looks for mesh paths "
+    "without a scheme that are relative to the file of the robot.",
+    why="`robot_state_publisher` publishes the text of the robot, but not the path of its file. "
+    "RViz, and Gazebo when it spawns from the topic, do not find the mesh and draw nothing.",
+    example='<mesh filename="../meshes/base.stl"/>',
+    instead='<mesh filename="package://my_robot/meshes/base.stl"/>',
+)
+MODEL_ADDRESS_IN_RVIZ = Rule(
+    code="ROB127",
+    name="model-address-in-rviz",
+    severity=Severity.WARNING,
+    summary="RViz does not draw meshes with `model://` addresses.",
+    what="Looks for `model://` meshes in the robot that a launch file gives to "
+    "`robot_state_publisher`, if the launch file also starts rviz2.",
+    why="RViz supports `package://`, `file://` and `http://` addresses; `model://` is an address "
+    "for Gazebo. RViz draws the robot without these meshes. Gazebo also supports `package://`.",
+    example='<mesh filename="model://my_robot/meshes/base.stl"/>',
+    instead='<mesh filename="package://my_robot/meshes/base.stl"/>',
+)
+
+RVIZ = "rviz2"  # the program
+_MESH = lazy_pattern(r"<mesh\b[^>]*?\bfilename\s*=\s*(?:\"([^\"]*)\"|'([^']*)')")
+
+
+def mesh_addresses(text: str) -> tuple[str, ...]:
+    """The addresses of meshes in a URDF, each once."""
+    found = (match[1] or match[2] or "" for match in _MESH.finditer(text))
+    return tuple(dict.fromkeys(one.strip() for one in found if one.strip()))
+
+
+def relative_addresses(
+    addresses: Iterable[str], file: Path, written: Sequence[Written]
+) -> Iterator[Diagnostic]:
+    """Report relative paths of a published robot; those without a file are reported anyway.
+
+    Args:
+        addresses: Of the meshes of the robot.
+        file: The one that the robot is in, or is expanded from.
+        written: The elements of that file, and of those that it includes.
+    """
+    for address in addresses:
+        if "://" in address or address.startswith("/") or ON_WINDOWS.match(address):
+            continue
+        mesh = file.parent / address
+        if not mesh.is_file():
+            continue
+        place, line = _place(address, file, written)
+        own = address_in_package(mesh.name, mesh.parent)
+        yield RELATIVE_ADDRESS.at(
+            place,
+            line,
+            f"mesh[@filename='{address}']",
+            message=f"The mesh `{address}` has a relative path, but robot_state_publisher "
+            "publishes the robot without its folder: neither RViz nor Gazebo finds the file.",
+            hint=f"Write {own or 'package://PACKAGE/' + mesh.name}",
+        )
+
+
+def model_addresses(
+    addresses: Iterable[str], file: Path, written: Sequence[Written]
+) -> Iterator[Diagnostic]:
+    """Report `model://` addresses of a robot that RViz shows."""
+    for address in addresses:
+        if not address.startswith("model://"):
+            continue
+        place, line = _place(address, file, written)
+        yield MODEL_ADDRESS_IN_RVIZ.at(
+            place,
+            line,
+            f"mesh[@filename='{address}']",
+            message=f"RViz does not find model:// addresses and does not draw `{address}`.",
+            hint=f"Write package://{address.removeprefix('model://')}",
+        )
+
+
+def _place(address: str, file: Path, written: Sequence[Written]) -> tuple[Path, int | None]:
+    """Where an address is written; it may be computed there, but for the name of its file."""
+    name = f"/{address.rpartition('/')[2]}"
+    meshes = [
+        (one, one.attributes.get("filename", "").strip()) for one in written if one.tag == "mesh"
+    ]
+    same = [one for one, filename in meshes if filename == address]
+    alike = [one for one, filename in meshes if filename.endswith(name)]
+    for element in (*same, *alike):
+        return element.file, element.line_of("filename")
+    return file, None

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
-from wsgen.descriptions.sdf.includes import GROUND_PLANE, GROUND_PLANE_FRICTION, SUN, is_sun
+from wsgen.descriptions.sdf.includes import GROUND_PLANE, GROUND_PLANE_FRICTION, is_sun
 from wsgen.descriptions.sdf.source import line_of
 from wsgen.descriptions.sdf.values import first, read_numbers, read_pose, triple, truth, word
 from wsgen.diagnostics import Rule, Severity
@@ -67,29 +67,17 @@ DOWN = (0.0, 0.0, -1.0)
 WHITE = (1.0, 1.0, 1.0)
 
 
-class Lights(NamedTuple):
-    """The lights of a world, as far as a picture needs them."""
-
-    names: tuple[str, ...]
-    sun_direction: Vector  # of the first one from above: where it goes, of length 1
-    sun_color: Vector  # of that one: red, green, blue, 0 to 1
-
-
-def read_lights(source: Source, world: Element) -> Lights:
-    """The lights of a world, an included sun among them."""
-    names = []
+def read_sun(source: Source, world: Element) -> tuple[Vector, Vector]:
+    """The first light from above, which may be included: where it goes, and its color."""
     suns = []
     for element in children(world, "include", "light"):
         if element.tag == "light":
-            names.append(element.get("name") or "")
             sun = _sun(source, element)
             if sun is not None:
                 suns.append(sun)
         elif is_sun(word(element, "uri")):
-            names.append(SUN)
             suns.append((SUN_DIRECTION, SUN_COLOR))
-    direction, color = suns[0] if suns else (SUN_DIRECTION, SUN_COLOR)
-    return Lights(tuple(names), direction, color)
+    return suns[0] if suns else (SUN_DIRECTION, SUN_COLOR)
 
 
 def _sun(source: Source, light: Element) -> tuple[Vector, Vector] | None:
@@ -123,7 +111,6 @@ DEFAULT_WORLD = World(
     name="default",
     models=(PlacedModel(name=GROUND_PLANE, is_static=True),),
     has_ground_plane=True,
-    lights=(SUN,),
 )
 
 
@@ -148,7 +135,7 @@ def describe_world(
     ground_friction: float | None,
 ) -> World:
     """The world of an element, with the models that were read from it."""
-    lights = read_lights(source, element)
+    sun_direction, sun_color = read_sun(source, element)
     return World(
         name=element.get("name") or "default",
         file=source.file,
@@ -160,9 +147,8 @@ def describe_world(
         ground_friction=DEFAULT_WORLD.ground_friction
         if ground_friction is None
         else ground_friction,
-        lights=lights.names,
-        sun_direction=lights.sun_direction,
-        sun_color=lights.sun_color,
+        sun_direction=sun_direction,
+        sun_color=sun_color,
         plugins=tuple(plugin.get("filename", "") for plugin in element.iter("plugin")),
     )
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.packages.build_files import cmake_commands, cmake_regex
+from wsgen.packages.build_files import cmake_commands, cmake_values
 from wsgen.packages.build_files.cmake_text import (
     BRACKET,
     KEYWORDS,
@@ -70,7 +70,6 @@ class Reader:
         self.required: list[RequiredPackage] = []
         self.targets: dict[str, Target] = {}
         self.outputs: dict[str, str] = {}  # target -> the name of its file
-        self.exported: list[str] = []
         self.environment: list[tuple[str, str]] = []  # of the hooks: variable, path
         self.produced: set[str] = set()  # paths that commands write
         self.components: list[tuple[str, Mention]] = []  # programs of rclcpp_components
@@ -159,10 +158,10 @@ class Reader:
 
     def matches(self, pattern: str, text: str) -> bool | None:
         """Whether a regular expression matches in a text; None where that is not known."""
-        regex = cmake_regex.compiled(pattern) if self._steps <= MOST_STEPS else None
+        regex = cmake_values.compiled_regex(pattern) if self._steps <= MOST_STEPS else None
         if regex is None:
             return None
-        self.count(min(regex.tries(text), cmake_regex.MOST_TRIES) // WORK_OF_A_STEP)
+        self.count(min(regex.tries(text), cmake_values.MOST_TRIES) // WORK_OF_A_STEP)
         return regex.search(text)
 
     def count(self, steps: int) -> None:

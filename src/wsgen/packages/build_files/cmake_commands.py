@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.model.build_facts import RequiredPackage, Target
-from wsgen.packages.build_files import cmake_install, cmake_regex
+from wsgen.packages.build_files import cmake_install
 from wsgen.packages.build_files.cmake_text import texts
 from wsgen.packages.build_files.cmake_values import BUILD, UNKNOWN, is_known, split_list, version
 
@@ -123,10 +123,6 @@ def _string(reader: Reader, mention: Mention) -> None:
     elif action == "REPLACE" and len(words) >= 4:
         value = "".join(words[4:]).replace(words[1], words[2]) if is_known(text) else UNKNOWN
         reader.variables[words[3]] = value
-    elif action == "REGEX" and len(words) > 5 and words[1] == "REPLACE":
-        text = "".join(words[5:])
-        reader.variables[words[4]] = _replace_regex(words[2], words[3], text)
-        reader.count(len(text) // 1000)
     elif action in {"APPEND", "PREPEND"} and len(words) > 1:
         before, more = reader.look_up("", words[1]), "".join(words[2:])
         reader.variables[words[1]] = before + more if action == "APPEND" else more + before
@@ -136,13 +132,6 @@ def _string(reader: Reader, mention: Mention) -> None:
         for word in words[1:]:
             if word.isidentifier():
                 reader.variables[word] = UNKNOWN
-
-
-def _replace_regex(pattern: str, other: str, text: str) -> str:
-    if not is_known(pattern + other + text):
-        return UNKNOWN
-    value = cmake_regex.replace(pattern, other, text)
-    return UNKNOWN if value is None else value
 
 
 def _get_filename_component(reader: Reader, mention: Mention) -> None:
@@ -451,16 +440,8 @@ def _register_node(reader: Reader, mention: Mention) -> None:
         reader.components.append((words[words.index("EXECUTABLE") + 1], mention))
 
 
-def _export_dependencies(reader: Reader, mention: Mention) -> None:
-    reader.exported += [word for word in texts(mention) if is_known(word)]
-
-
 def _foreign(reader: Reader, mention: Mention) -> None:
     """What may set any variable, and installs nothing that a launch file needs."""
-    reader.has_foreign = True
-
-
-def _find_build_dependencies(reader: Reader, mention: Mention) -> None:
     reader.has_foreign = True
 
 
@@ -484,8 +465,7 @@ COMMANDS: dict[str, Callable[[Reader, Mention], None]] = {
     "set_target_properties": _set_target_properties,
     "set_property": _set_property,
     "rclcpp_components_register_node": _register_node,
-    "ament_export_dependencies": _export_dependencies,
-    "ament_auto_find_build_dependencies": _find_build_dependencies,
+    "ament_auto_find_build_dependencies": _foreign,
     "add_custom_command": _executes,
     "add_custom_target": _executes,
     "execute_process": _executes,

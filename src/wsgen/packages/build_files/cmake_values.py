@@ -1,10 +1,11 @@
-"""Values of CMake where some are not known: texts, lists and conditions."""
+"""Values of CMake where some are not known: texts, lists, conditions, regular expressions."""
 
 from __future__ import annotations
 
 import os
 import re
-from typing import TYPE_CHECKING
+from functools import lru_cache
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.packages.build_files.cmake_text import QUOTED, UNQUOTED, Argument
 from wsgen.text.values import lazy_pattern
@@ -18,7 +19,6 @@ SEMICOLON = "\ue001"  # one that does not separate elements
 BUILD = "/\ue002build"  # stands for the build folder
 PREFIX = "/\ue002prefix"  # stands for the install prefix
 
-_PLAIN = lazy_pattern(r"[^$\\]*")
 _REFERENCE = lazy_pattern(r"\$(ENV|CACHE)?\{")
 _ESCAPES = {"n": "\n", "t": "\t", "r": "\r", "0": "\0", ";": SEMICOLON}
 
@@ -258,3 +258,75 @@ _UNARY: dict[str, Callable[[Conditions, str], bool | None]] = {
     "POLICY": lambda self, name: True,
     "DEFINED": lambda self, name: self._defined(name),
 }
+
+
+# The regular expressions of CMake, as far as Python's `re` reads them alike and in a known time:
+# whoever wrote the build file chose both the pattern and the text, and `re` tries some patterns on
+# some texts for years. What it may try too long, a repeated group above all, is not known here.
+# Source: cmake-language documentation of string(), "Regex Specification", and RegularExpression.cxx
+# of KWSys.
+
+LONGEST = 500  # letters of a pattern
+MOST_TRIES = 10_000_000  # of Python's `re`
+# A set of letters (a backslash stands for itself there), an escaped letter, or a letter.
+_PARTS = lazy_pattern(r"\[\^?\]?[^\]]*\]|\\.|.", re.DOTALL)
+_REPEATING = frozenset("*+?")
+_NOT_REPEATABLE = frozenset(("", "^", "$", "(", "|", *_REPEATING))
+
+
+class Regex(NamedTuple):
+    """A pattern, and what its search costs at most."""
+
+    python: re.Pattern[str]
+    repetitions: int  # without a bound
+    choices: int
+
+    def tries(self, text: str) -> int:
+        """At most how many ways a search in the text tries."""
+        tries: int = max(len(text), 2) ** (self.repetitions + 1) * 2 ** min(self.choices, 30)
+        return tries
+
+    def search(self, text: str) -> bool | None:
+        """Whether the pattern matches somewhere in the text; None if that may take too long."""
+        if self.tries(text) > MOST_TRIES:
+            return None
+        return self.python.search(text) is not None
+
+
+@lru_cache(256)
+def compiled_regex(pattern: str) -> Regex | None:
+    """The regular expression of a pattern; None if CMake refuses it, or it repeats groups."""
+    if len(pattern) > LONGEST:
+        return None
+    parts = _PARTS.findall(pattern)
+    for before, part in zip(("", *parts), parts, strict=False):
+        if part in _REPEATING and (before in _NOT_REPEATABLE or (before == ")" and part != "?")):
+            return None
+    if {"[", "\\"} & {*parts}:  # a set that does not end, or an escape of nothing
+        return None
+    try:
+        python = re.compile("".join(map(_as_python, parts)), re.DOTALL)
+    except (re.error, RecursionError, OverflowError):
+        return None
+    return Regex(
+        python=python,
+        repetitions=parts.count("*") + parts.count("+"),
+        choices=parts.count("|") + parts.count("?"),
+    )
+
+
+def _as_python(part: str) -> str:
+    if len(part) == 1:
+        return {"^": r"(?:\A)", "$": r"(?:\Z)"}.get(
+            part, part if part in "().*+?|" else re.escape(part)
+        )
+    if part.startswith("\\"):
+        return re.escape(part[1])
+    start = "[^" if part.startswith("[^") else "["
+    return start + re.sub(r"[\\\[\]&~|^]", r"\\\g<0>", part[len(start) : -1]) + "]"
+
+
+def search_regex(pattern: str, text: str) -> bool | None:
+    """Whether CMake finds the pattern in the text; None if that is not known."""
+    regex = compiled_regex(pattern)
+    return None if regex is None else regex.search(text)

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.model.build_facts import BuildFacts, Executable, InstalledFile, PythonPackage
-from wsgen.packages.build_files import cmake_regex
+from wsgen.packages.build_files import cmake_values
 from wsgen.packages.build_files.cmake import Reader
 from wsgen.packages.build_files.cmake_checks import (
     CMAKE_SYNTAX,
@@ -116,7 +116,6 @@ def _cmake_facts(reader: Reader) -> BuildFacts:
         required_packages=tuple(reader.required),
         python_packages=tuple(found.python_packages),
         folders=found.folders,
-        exported_packages=tuple(reader.exported),
         environment=tuple(reader.environment),
         dated_calls={
             command: tuple((one.file, one.call.line) for one in reader.mentions[command])
@@ -253,7 +252,7 @@ def _filter(rule: InstallRule) -> Callable[[str, bool], bool]:
 @cache
 def _test(kind: str, text: str) -> Callable[[str], bool | None]:
     if kind == "REGEX":
-        return lambda path: cmake_regex.search(text, path)
+        return lambda path: cmake_values.search_regex(text, path)
     # The pattern is that of the last parts of the path; * and ? do not match a slash.
     inner = fnmatch.translate(text).removesuffix(r"\Z").removeprefix("(?s:").removesuffix(")")
     inner = inner.replace(".*", "[^/]*") if "*" in text else inner

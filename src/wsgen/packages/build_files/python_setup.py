@@ -77,7 +77,6 @@ class Setup:
     package_folders: dict[str, str] = field(default_factory=dict)  # package_dir
     globs: tuple[Glob, ...] = ()
     install_scripts: str | None = None  # of setup.cfg
-    develop_scripts: str | None = None
     calls_nothing: bool = False  # surely not even setup()
     is_whole: bool = True  # False: data_files has more than can be known
 
@@ -251,7 +250,6 @@ def _make(
         },
         globs=globs,
         install_scripts=configuration.get("install", "install_scripts", "install-scripts"),
-        develop_scripts=configuration.get("develop", "script_dir", "script-dir"),
         is_whole=is_whole and has_all,
     )
 

@@ -587,47 +587,6 @@ _COMPARISONS: dict[type, Callable[[Any, Any], bool]] = {
     ast.Lt: lambda one, other: one < other,
     ast.LtE: lambda one, other: one <= other,
 }
-# The method of Evaluator for each kind of node.
-_STATEMENTS: dict[type, str] = {
-    ast.Assign: "_assign",
-    ast.AnnAssign: "_annotated",
-    ast.AugAssign: "_augmented",
-    ast.For: "_for",
-    ast.If: "_if",
-    ast.While: "_while",
-    ast.Try: "_try",
-    ast.With: "_with",
-    ast.Import: "_import",
-    ast.ImportFrom: "_import_from",
-    ast.FunctionDef: "_define",
-    ast.ClassDef: "_class",
-    ast.Return: "_return",
-    ast.Expr: "_expression",
-    ast.Break: "_leave_loop",
-    ast.Continue: "_leave_loop",
-}
-_EXPRESSIONS: dict[type, str] = {
-    ast.Constant: "_constant",
-    ast.Name: "_name",
-    ast.Attribute: "_attribute",
-    ast.List: "_sequence",
-    ast.Tuple: "_sequence",
-    ast.Set: "_sequence",
-    ast.Dict: "_dict",
-    ast.JoinedStr: "_joined",
-    ast.BinOp: "_binary",
-    ast.BoolOp: "_boolean",
-    ast.UnaryOp: "_unary",
-    ast.Compare: "_compare",
-    ast.IfExp: "_choice",
-    ast.Subscript: "_subscript",
-    ast.ListComp: "_comprehension",
-    ast.SetComp: "_comprehension",
-    ast.GeneratorExp: "_comprehension",
-    ast.DictComp: "_dict_comprehension",
-    ast.Lambda: "_lambda",
-    ast.Call: "_call",
-}
 PATH_PARTS = frozenset({"name", "parent", "parts", "stem", "suffix"})
 METHODS: dict[type, frozenset[str]] = {
     str: frozenset(

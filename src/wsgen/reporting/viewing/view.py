@@ -35,7 +35,6 @@ if TYPE_CHECKING:
 LOOK_EVERY = 0.5  # s; between two looks at the files
 QUIET_FOR = 0.2  # s without a change: an editor or a build has written all that it writes
 MOST_LOOKS = 50  # at files that do not stop changing
-LOOPBACK = "127.0.0.1"
 DEFAULT_PORT = 8080
 PORTS = 100  # that are tried from there
 

@@ -74,11 +74,6 @@ class Tolerances:
     goal: list[Tolerance]
     goal_seconds: float = 0.0  # after the end; 0: any time
 
-    @property
-    def limit_path(self) -> bool:
-        """Whether one of the path is other than 0."""
-        return any(any(one) for one in self.path)
-
 
 def wrapped(angle: float) -> float:
     """The same angle, from -pi to pi."""

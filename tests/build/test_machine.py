@@ -10,11 +10,16 @@ from pathlib import Path
 import pytest
 from packaging.requirements import Requirement as Dependency
 
+from wsgen.building import machine as machine_module
+from wsgen.building.machine import (
+    DoctorReport,
+    Machine,
+    Requirement,
+    check_machine,
+    here,
+    read_os_release,
+)
 from wsgen.building.toolchain import SourcedRos, Wheels
-from wsgen.doctor import machine as machine_module
-from wsgen.doctor import report
-from wsgen.doctor.machine import Machine, Requirement, here, read_os_release
-from wsgen.doctor.report import DoctorReport, check_machine
 from wsgen.model.engines import ENGINES as SPECS
 from wsgen.model.target import TARGETS, Target, choose_target
 from wsgen.text.tomlfile import load
@@ -447,14 +452,16 @@ def test_this_machine() -> None:
 def test_every_dependency_of_wsgen_is_looked_for() -> None:
     project = load(Path(__file__).parents[2] / "pyproject.toml")["project"]
     wanted = {re.match(r"[\w.-]+", line)[0].lower() for line in project["dependencies"]}  # type: ignore[index]
-    modules = [*report.COLCON_PACKAGES.values(), *report.LIBRARIES.values()]
+    modules = [*machine_module.COLCON_PACKAGES.values(), *machine_module.LIBRARIES.values()]
     known = {re.match(r"[\w.-]+", name)[0].lower() for name in modules}  # type: ignore[index]
     engines = {*SPECS["bullet"].wheels, *SPECS["mujoco"].wheels}
     # tomli: without it wsgen does not start.
     others = {"cmake", "ninja", "xacro", "tomli"}
-    assert wanted == known | set(report.WHEELS) | engines | others
-    assert {module.partition(".")[0] for module in report.COMPILED} <= report.LIBRARIES.keys()
-    first, last = (f"{major}.{minor}" for major, minor in report.PYTHONS)
+    assert wanted == known | set(machine_module.WHEELS) | engines | others
+    assert {
+        module.partition(".")[0] for module in machine_module.COMPILED
+    } <= machine_module.LIBRARIES.keys()
+    first, last = (f"{major}.{minor}" for major, minor in machine_module.PYTHONS)
     assert project["requires-python"] == f">={first},<3.{int(last.split('.')[1]) + 1}"
 
 
@@ -482,5 +489,5 @@ def test_the_pybullet_that_is_named_is_the_one_that_wsgen_depends_on(
     lines = [Dependency(line) for line in project["dependencies"]]
     wanted = {one.name for one in lines if one.marker is None or one.marker.evaluate(variables)}
     one = machine(tmp_path, system=system, architecture=architecture, python=(3, minor))
-    named = report.pybullet_for(one)
+    named = machine_module.pybullet_for(one)
     assert wanted & {"pybullet", "pybullet-arm64"} == ({named} if named else set())
