@@ -7,8 +7,7 @@ import pytest
 
 from wsgen.cli.validate import command as validate
 from wsgen.model.engines import ENGINES
-from wsgen.pipeline.engines import all_engines, engine_left_out
-from wsgen.simulation.run import default_engine, missing_engines
+from wsgen.simulation.run import all_engines, default_engine, engine_left_out, missing_engines
 
 
 @pytest.mark.parametrize(

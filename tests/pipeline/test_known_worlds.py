@@ -9,7 +9,7 @@ from wsgen.descriptions.sdf.models import SdfFile
 from wsgen.isolation import parent
 from wsgen.model.plan import LaunchPlan
 from wsgen.model.world import Simulator
-from wsgen.pipeline.known_worlds import KnownWorlds, ReadWorld
+from wsgen.pipeline.gazebo_models import KnownWorlds, ReadWorld
 from wsgen.pipeline.prepare import PrepareContext
 from wsgen.pipeline.started import Started
 

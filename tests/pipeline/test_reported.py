@@ -14,9 +14,17 @@ import pytest
 from wsgen.checks.rules.robots import MASSLESS_ROOT, NO_VISUAL
 from wsgen.descriptions.urdf.reader import UNKNOWN_URDF_VERSION
 from wsgen.errors import NotFoundError, NotReadableError, RequestError
-from wsgen.pipeline.baseline import divide_known, load_baseline, render_baseline
 from wsgen.pipeline.check import CheckOutcome
-from wsgen.pipeline.reported import Filters, about_changes, changed_since, choose, filter_outcome
+from wsgen.pipeline.reported import (
+    Filters,
+    about_changes,
+    changed_since,
+    choose,
+    divide_known,
+    filter_outcome,
+    load_baseline,
+    render_baseline,
+)
 
 ROBOT = Path("/p/r.urdf")
 INVISIBLE = NO_VISUAL.at(ROBOT, 3, message="invisible")

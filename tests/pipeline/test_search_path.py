@@ -11,7 +11,7 @@ from wsgen.model.plan import Include, LaunchPlan, Process
 from wsgen.model.world import Simulator, Spawn
 from wsgen.packages.source_shares import INDEX
 from wsgen.packages.workspace.overlay import Overlay
-from wsgen.pipeline.search_path import check_search_path
+from wsgen.pipeline.launched_simulator import check_search_path
 from wsgen.pipeline.started import Started
 
 if TYPE_CHECKING:

@@ -39,7 +39,7 @@ from wsgen.simulation.scene import (
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from wsgen.pipeline.simulation_result import SimulationResult
+    from wsgen.pipeline.requests import SimulationResult
 
 BODY = Inertial(mass=1.0, inertia=(0.1, 0.0, 0.0, 0.1, 0.0, 0.1))
 WORLD = World(name="w", has_ground_plane=True)

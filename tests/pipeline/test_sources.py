@@ -16,10 +16,10 @@ from wsgen.packages.workspace.overlay import open_overlay
 from wsgen.pipeline.changed_since_build import (
     InstalledSource,
     changed_since_build,
+    name_sources,
     source_of,
     used_packages,
 )
-from wsgen.pipeline.sources import name_sources
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ import pytest
 
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.launching.explain_missing import FILE_NOT_INSTALLED, PACKAGE_NOT_FOUND
-from wsgen.pipeline.submodules import with_submodules
+from wsgen.pipeline.failed_builds import with_submodules
 
 MODULES = """[submodule "sensors"]
 \tpath = crane/parts/sensors

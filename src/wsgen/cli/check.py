@@ -277,7 +277,7 @@ def _print_diff(plan: FixPlan) -> None:
 
 def _write_baseline(reported: Reported, file: Path) -> None:
     from wsgen.cli.words import short_name
-    from wsgen.pipeline.baseline import render_baseline
+    from wsgen.pipeline.reported import render_baseline
     from wsgen.text.files import write_file
 
     found = (*reported.diagnostics, *reported.known)

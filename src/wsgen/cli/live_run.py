@@ -74,8 +74,8 @@ def run(
     from wsgen.cli.words import report_unfinished, unwritten, written
     from wsgen.live.prepare import RunRequest
     from wsgen.live.run import run_launch
-    from wsgen.pipeline.engines import check_engines
     from wsgen.ros.environment import open_ros
+    from wsgen.simulation.run import check_engines
 
     take_all_signals()
     check_engines(request.engines)

@@ -227,8 +227,7 @@ def chosen_answers(given: Sequence[str]) -> Callable[[], Sequence[str]]:
 
 def chosen_engines(engine: str | None) -> tuple[str, ...]:
     """The engines that `engine_option` selects; results come from the first one."""
-    from wsgen.pipeline.engines import all_engines
-    from wsgen.simulation.run import default_engine
+    from wsgen.simulation.run import all_engines, default_engine
 
     if engine == "all":
         return all_engines()

@@ -206,9 +206,9 @@ def view_simulation(
     from wsgen.cli.progress import listening
     from wsgen.isolation.parent import make_scratch
     from wsgen.pipeline.describe import describe_launch
-    from wsgen.pipeline.engines import check_engines
     from wsgen.pipeline.run_robots import spawned_robots
     from wsgen.reporting.viewing.view import check_viewer, choose_port
+    from wsgen.simulation.run import check_engines
     from wsgen.simulation.scene import Scene
     from wsgen.simulation.session import Session
 

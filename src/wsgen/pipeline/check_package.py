@@ -22,7 +22,6 @@ from wsgen.pipeline.candidates import (
     with_commands,
     with_descriptions,
 )
-from wsgen.pipeline.check_controllers import check_controlled
 from wsgen.pipeline.check_launched import (
     check_addresses,
     check_heights,
@@ -32,7 +31,6 @@ from wsgen.pipeline.check_launched import (
     loaded_worlds,
     may_publish_joint_states,
 )
-from wsgen.pipeline.check_nodes import check_topics
 from wsgen.pipeline.check_severities import (
     is_included,
     of_file_alone,
@@ -40,11 +38,10 @@ from wsgen.pipeline.check_severities import (
     without_absent_packages,
     without_simulation,
 )
-from wsgen.pipeline.check_sources import check_sources
+from wsgen.pipeline.check_sources import check_controlled, check_sources, check_topics
 from wsgen.pipeline.clock import Clock
-from wsgen.pipeline.file_kinds import read
-from wsgen.pipeline.file_validation import UNUSABLE_FILE, FileValidation
-from wsgen.pipeline.known_worlds import KnownWorlds
+from wsgen.pipeline.file_validation import UNUSABLE_FILE, FileValidation, read
+from wsgen.pipeline.gazebo_models import KnownWorlds
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.prepare import PrepareContext
 from wsgen.pipeline.requests import SelectedPackage, ValidateRequest

@@ -59,8 +59,7 @@ from wsgen.launching.spawner_options import INVALID_SPAWNER_OPTION
 from wsgen.launching.undeclared import UNDECLARED_PACKAGE
 from wsgen.packages.source_shares import may_have_sources
 from wsgen.pipeline.candidates import commands
-from wsgen.pipeline.file_kinds import read
-from wsgen.pipeline.file_validation import NO_MODEL, PART_OF_ROBOT
+from wsgen.pipeline.file_validation import NO_MODEL, PART_OF_ROBOT, read
 from wsgen.ros.names import released_packages
 from wsgen.text.files import real_path
 from wsgen.text.suggestions import advice, misspelled_as, suggested

@@ -1,12 +1,22 @@
-"""Check what colcon builds a package from: package.xml and build files, against what files use."""
+"""Check what a package is built from: package.xml, build files, Python nodes, parameters."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wsgen.checks.rules.controller_joints import (
+    Controlled,
+    check_controllers,
+    drive_sections,
+    missing_controller_file,
+)
+from wsgen.checks.rules.controllers import started_controllers
 from wsgen.checks.rules.dependencies import check_circles, check_dependencies
+from wsgen.checks.rules.drives import check_drive_controller
 from wsgen.checks.rules.manifests import check_manifest, generated_interfaces
+from wsgen.checks.rules.node_topics import UsedTopic, remapped, unheard_commands, unpublished_topics
 from wsgen.checks.rules.package_uses import (
     check_required,
     check_tests,
@@ -14,10 +24,20 @@ from wsgen.checks.rules.package_uses import (
     may_be_unused,
     unused_dependencies,
 )
+from wsgen.checks.rules.python_nodes import check_node, idle_program, unspun_node
+from wsgen.checks.rules.ros2_control import ControlFacts, control_plugins, control_without_plugin
 from wsgen.checks.rules.simulators import misplaced_spawners
+from wsgen.descriptions.xacro.source import place_in_source
+from wsgen.diagnostics import Severity
+from wsgen.launching.commands import has_gaps, started_programs
+from wsgen.launching.known_packages import find_in_package
 from wsgen.launching.simulators import simulator_kinds
 from wsgen.packages.build_files.cmake_checks import check_for_distro
-from wsgen.packages.build_files.python_sources import check_python_syntax
+from wsgen.packages.build_files.python_sources import (
+    check_python_syntax,
+    program_files,
+    python_files,
+)
 from wsgen.packages.source_shares import INDEX
 from wsgen.packages.workspace.package_uses import (
     LAUNCH,
@@ -28,17 +48,23 @@ from wsgen.packages.workspace.package_uses import (
     unmentioned,
 )
 from wsgen.packages.workspace.package_xml import check_build_type, check_package_xml
-from wsgen.pipeline.check_nodes import check_nodes
+from wsgen.packages.workspace.python_nodes import KINDS, read_node_file
+from wsgen.pipeline.check_launched import topics_of_launch
+from wsgen.text import yamlfile
 from wsgen.text.files import real_path
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.build_facts import BuildFacts
-    from wsgen.model.plan import LaunchPlan
+    from wsgen.model.package import ShareOf
+    from wsgen.model.plan import LaunchPlan, Process
+    from wsgen.model.robot import Robot
     from wsgen.packages.workspace.layout import PackageFolder
     from wsgen.packages.workspace.manifest import Manifest
+    from wsgen.packages.workspace.python_nodes import NodeFile
+    from wsgen.pipeline.started import Started
 
 
 def check_package_manifest(
@@ -164,3 +190,182 @@ def check_sources(  # noqa: PLR0913  what files say
     yield from check_package_manifest(
         package, build=build, plans=plans, packages=packages, distro=distro
     )
+
+
+def check_nodes(build: BuildFacts, packages: Mapping[str, PackageFolder]) -> Iterator[Diagnostic]:
+    """Check the Python files that a package installs; `packages` are those of the workspace."""
+    files = python_files(build)
+    nodes = {file: read_node_file(file) for file in files}
+    workspace = {name: _interfaces(one.path) for name, one in packages.items()} if files else {}
+    programs = {one.source for one in build.executables}
+    imported = {word for node in nodes.values() if node is not None for word in node.imported}
+    for file, is_started in files.items():
+        node = nodes[file]
+        if node is None:
+            continue
+        for found in check_node(node, workspace):
+            yield found if is_started else replace(found, severity=Severity.WARNING)
+        if file in programs and file.stem not in imported:
+            yield from idle_program(node)
+        if is_started and file.stem not in imported:
+            yield from unspun_node(node)
+
+
+def _interfaces(folder: Path) -> frozenset[str]:
+    """The messages, services and actions whose files a package has."""
+    return frozenset(
+        f"{kind}/{file.stem}"
+        for kind in KINDS
+        if (folder / kind).is_dir()
+        for file in (folder / kind).iterdir()
+        if file.suffix in {f".{kind}", ".idl"}
+    )
+
+
+# In names of packages that read or publish commands and topics of sensors under other names.
+_BETWEEN = ("mux", "nav2", "navigation", "smoother", "relay", "tools", "stamper", "servo", "joy")
+
+
+def check_topics(
+    package: PackageFolder,
+    started: Sequence[Started],
+    facts: Mapping[str, BuildFacts],
+    packages: Mapping[str, PackageFolder],
+) -> Iterator[Diagnostic]:
+    """Compare the topics of nodes with those of the robot that a package spawns.
+
+    Args:
+        package: Whose launch files spawn it.
+        started: What its launch files start.
+        facts: What the packages of the workspace install.
+        packages: All packages of the workspace.
+    """
+    manifests = {name: one.manifest for name, one in packages.items() if one.manifest}
+    names = {package.name} | {
+        name
+        for name, one in manifests.items()
+        if package.name in {dependency.name for dependency in one.dependencies}
+    }
+    builds = {name: facts[name] for name in names if name in facts}
+    declared = {
+        dependency.name
+        for name in names & manifests.keys()
+        for dependency in manifests[name].dependencies
+    }
+    if any(word in name for name in declared for word in _BETWEEN) or any(
+        target.kind == "executable" for build in builds.values() for target in build.targets
+    ):
+        return
+    nodes = {
+        (name, program): node
+        for name, build in builds.items()
+        for program, file in program_files(build).items()
+        if (node := read_node_file(file)) is not None
+    }
+    if not nodes:
+        return
+    graphs = [topics_of_launch(one, nodes.keys()) for one in started]
+    processes = {
+        (program.package, program.executable): program
+        for one in started
+        for program in started_programs(one.plan)
+    }
+    used = [
+        topic for key, node in nodes.items() for topic in _used_topics(node, processes.get(key))
+    ]
+    yield from unheard_commands(graphs, used)
+    yield from unpublished_topics(graphs, used)
+
+
+def _used_topics(node: NodeFile, program: Process | None) -> Iterator[UsedTopic]:
+    for one in node.topics:
+        name = None if one.name is None else remapped(one.name, program)
+        yield UsedTopic(name, one.type, one.is_published, one.name or "", node.file, one.line)
+
+
+def check_controlled(
+    robots: Iterable[tuple[Robot, Path | None]], plans: Iterable[LaunchPlan], share_of: ShareOf
+) -> Iterator[Diagnostic]:
+    """Check the files of parameters that the plugins of the robots name.
+
+    `robots` are those of a package, as written, with the files that describe them, which may
+    include others.
+    """
+    started, surely = _started(plans)
+    robots = list(robots)
+    for robot, file in robots if started else ():
+        found = without_plugin(robot, file)
+        yield from place_in_source(found, text="", file=file, share_of=share_of)
+    of_file: dict[Path, list[tuple[Robot, Path | None]]] = {}
+    for robot, file in robots:
+        for plugin in control_plugins(robot.gazebo):
+            for text in plugin.values.get("parameters", ()):
+                path = Path(text)
+                if not path.is_absolute() or "$" in text:
+                    continue
+                if path not in of_file and not path.is_file():
+                    folder = path.parent
+                    beside = [one.name for one in folder.iterdir()] if folder.is_dir() else []
+                    missing = missing_controller_file(
+                        plugin, path, beside, file, find_in_package(text, share_of)
+                    )
+                    yield from place_in_source([missing], text="", file=file, share_of=share_of)
+                of_file.setdefault(path, []).append((robot, file))
+    for path, users in of_file.items():
+        content = yamlfile.load_parameters(path)
+        if isinstance(content, yamlfile.Value):
+            described = [robot for robot, _ in users]
+            yield from _check_file(path, content, described, started, surely)
+            yield from _check_drives(path, content, users, share_of)
+
+
+def _started(plans: Iterable[LaunchPlan]) -> tuple[set[str], set[str]]:
+    """The controllers that are started, and those that surely are, whatever is given.
+
+    A robot may have parts that only some launch files give it.
+    """
+    started: set[str] = set()
+    surely: set[str] = set()
+    for plan in plans:
+        names = set(started_controllers(plan))
+        started |= names
+        if not has_gaps(plan):
+            surely |= names
+    return started, surely
+
+
+def _check_drives(
+    path: Path,
+    content: yamlfile.Value,
+    users: Sequence[tuple[Robot, Path | None]],
+    share_of: ShareOf,
+) -> Iterator[Diagnostic]:
+    robot, file = users[0]
+    # Of several robots, nobody knows which one has the wheels.
+    for name, values in drive_sections(content) if len(users) == 1 else ():
+        for found in check_drive_controller(robot, name, values, path, file):
+            if found.file == file:
+                yield from place_in_source([found], text="", file=file, share_of=share_of)
+            else:
+                yield found
+
+
+def without_plugin(robot: Robot, file: Path | None) -> Iterator[Diagnostic]:
+    """Report the hardware of a robot that nothing loads, although its controllers are started."""
+    facts = ControlFacts(
+        controls=robot.controls, joints=robot.joints, plugins=control_plugins(robot.gazebo)
+    )
+    for found in control_without_plugin(facts, file):
+        yield replace(found, severity=Severity.ERROR)
+
+
+def _check_file(
+    path: Path, content: yamlfile.Value, users: list[Robot], started: set[str], surely: set[str]
+) -> Iterator[Diagnostic]:
+    controlled = Controlled(
+        joints=[joint for robot in users for joint in robot.joints],
+        controls=[system for robot in users for system in robot.controls],
+        started=started,
+        of_parts=started - surely,
+    )
+    yield from check_controllers(content, controlled, path)

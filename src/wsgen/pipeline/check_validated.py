@@ -14,7 +14,7 @@ from wsgen.checks.rules.manifests import target_of
 from wsgen.diagnostics import Severity
 from wsgen.launching.undeclared import UNDECLARED_PACKAGE
 from wsgen.packages.build_files.facts import read_build_facts
-from wsgen.pipeline.check_controllers import check_controlled
+from wsgen.pipeline.changed_since_build import equal_source_of
 from wsgen.pipeline.check_launched import (
     check_addresses,
     check_heights,
@@ -23,8 +23,7 @@ from wsgen.pipeline.check_launched import (
     loaded_worlds,
     may_publish_joint_states,
 )
-from wsgen.pipeline.check_sources import check_sources
-from wsgen.pipeline.sources import source_of
+from wsgen.pipeline.check_sources import check_controlled, check_sources
 from wsgen.text.files import real_path
 
 if TYPE_CHECKING:
@@ -161,7 +160,9 @@ def _with_sources(validation: Validation) -> LaunchPlan | None:
     if started is None or selected.share is None or selected.source is None:
         return started and started.plan
     sources = {selected.share: selected.source}
-    lookups = (replace(one, file=source_of(one.file, sources)) for one in started.plan.lookups)
+    lookups = (
+        replace(one, file=equal_source_of(one.file, sources)) for one in started.plan.lookups
+    )
     return replace(started.plan, lookups=tuple(lookups))
 
 

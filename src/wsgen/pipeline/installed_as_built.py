@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.build_facts import BuildFacts
     from wsgen.packages.workspace.layout import PackageFolder
-    from wsgen.pipeline.check_targets import Targets
+    from wsgen.pipeline.check import Targets
 
 
 SIZE_LIMIT = 2**20  # bytes; larger files are data

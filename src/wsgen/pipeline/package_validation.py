@@ -32,12 +32,19 @@ from wsgen.packages.workspace.layout import workspace_around
 from wsgen.packages.workspace.settings import read_settings
 from wsgen.pipeline.changed_since_build import (
     changed_since_build,
+    name_sources,
     used_packages,
     with_needs,
 )
 from wsgen.pipeline.clock import DRAW, Clock
-from wsgen.pipeline.gazebo_models import DATABASE_MODEL, as_robots, look_up_model, robots_of_world
-from wsgen.pipeline.known_worlds import ReadWorld
+from wsgen.pipeline.gazebo_models import (
+    DATABASE_MODEL,
+    ReadWorld,
+    as_robots,
+    look_up_model,
+    robots_of_world,
+)
+from wsgen.pipeline.launched_simulator import check_search_path, check_systems, find_started_world
 from wsgen.pipeline.prepare import (
     PrepareContext,
     PreparedRobot,
@@ -50,12 +57,8 @@ from wsgen.pipeline.prepare import (
     share_on_model_path,
     without_taken,
 )
-from wsgen.pipeline.requests import SelectedLaunchFile
-from wsgen.pipeline.search_path import check_search_path
-from wsgen.pipeline.simulation_result import SimulationResult
-from wsgen.pipeline.sources import name_sources
+from wsgen.pipeline.requests import SelectedLaunchFile, SimulationResult
 from wsgen.pipeline.started import overlay_for, start
-from wsgen.pipeline.world_systems import check_systems, find_started_world
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -70,12 +73,12 @@ if TYPE_CHECKING:
     from wsgen.packages.workspace.overlay import Overlay
     from wsgen.packages.workspace.settings import Settings
     from wsgen.pipeline.behavior_plan import BehaviorPlan
-    from wsgen.pipeline.known_worlds import KnownWorlds
+    from wsgen.pipeline.gazebo_models import KnownWorlds
+    from wsgen.pipeline.launched_simulator import StartedWorld
     from wsgen.pipeline.prepare import KnownRobots
     from wsgen.pipeline.real_gazebo import RealGazebo
     from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
     from wsgen.pipeline.started import Started
-    from wsgen.pipeline.world_systems import StartedWorld
 
     Live = Mapping[str, Mapping[str, LiveMeasurement]]  # what was measured, by engine, then by name
 
@@ -635,8 +638,8 @@ class Validation:
         """The user's own Gazebo, for what the launch file spawns, if it is wanted."""
         if self.request.gazebo == "no" or self.started is None:
             return None
+        from wsgen.pipeline.launched_simulator import environment_of_simulator  # noqa: PLC0415  as above
         from wsgen.pipeline.real_gazebo import RealGazebo  # noqa: PLC0415  it is seldom wanted
-        from wsgen.pipeline.search_path import environment_of_simulator  # noqa: PLC0415  as above
 
         simulator = self.started.simulator
         place = folder / "gazebo"

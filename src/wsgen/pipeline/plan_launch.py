@@ -22,11 +22,15 @@ from wsgen.packages.workspace.layout import (
     workspace_if_any,
 )
 from wsgen.packages.workspace.overlay import Overlay, open_overlay, require_share
-from wsgen.pipeline.changed_since_build import changed_since_build, shares_of, used_packages
+from wsgen.pipeline.changed_since_build import (
+    changed_since_build,
+    name_sources,
+    shares_of,
+    used_packages,
+)
 from wsgen.pipeline.clock import Clock
 from wsgen.pipeline.launch_file_lookup import no_such_launch_file, packages_with
 from wsgen.pipeline.requests import SelectedLaunchFile
-from wsgen.pipeline.sources import name_sources
 from wsgen.pipeline.started import name_markers
 from wsgen.text.suggestions import MOST_LISTED
 

@@ -20,9 +20,8 @@ from wsgen.isolation.result import Died, Limits
 from wsgen.model.kinematics import link_poses
 from wsgen.model.target import CLASSIC, SIM, SIMULATORS
 from wsgen.model.transform import Pose, multiply, rotation_of_rpy, transpose
-from wsgen.pipeline.engines import ENGINE_LEFT_OUT
 from wsgen.simulation.real_gazebo import GazeboResult, GazeboScene, ToSpawn, find_gazebo
-from wsgen.simulation.run import ENGINE_DIED, ENGINE_REFUSED, ENGINE_WARNING
+from wsgen.simulation.run import ENGINE_DIED, ENGINE_LEFT_OUT, ENGINE_REFUSED, ENGINE_WARNING
 from wsgen.simulation.scene import RobotRun
 from wsgen.simulation.simulate import REST_HELD, REST_JOINT_SPEED, REST_SPEED, REST_TURNING
 from wsgen.simulation.surfaces import UnreadError, lowest_points

@@ -1,9 +1,16 @@
-"""From everything that `wsgen check` finds to what it reports: allowed, selected, new."""
+"""From everything that `wsgen check` finds to what it reports: allowed, selected, new.
+
+What a baseline has was there before and stays silent until it is gone. Lines are not compared, so
+that other changes of a file do not make old diagnostics new.
+"""
 
 from __future__ import annotations
 
+import json
+import os
 import shutil
 import subprocess
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -17,12 +24,11 @@ from wsgen.checks.rules.catalogue import (
 )
 from wsgen.checks.rules.consequences import fold_not_installed
 from wsgen.diagnostics import has_errors, worst_of_each
-from wsgen.errors import NotFoundError, RequestError
+from wsgen.errors import NotFoundError, NotReadableError, RequestError
 from wsgen.packages.workspace.settings import find_comments, read_comments, read_settings
-from wsgen.pipeline.baseline import divide_known, load_baseline
-from wsgen.text.files import real_path
+from wsgen.text.files import read_regular_text, real_path
 from wsgen.text.suggestions import ask_for_nearest
-from wsgen.text.values import dataclass
+from wsgen.text.values import dataclass, lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping, Sequence
@@ -30,6 +36,104 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.packages.workspace.settings import Allowance, Settings
     from wsgen.pipeline.check import CheckOutcome
+
+    Key = tuple[str, str, str, str]
+
+
+VERSION = 1
+SIZE_LIMIT = 2**26  # bytes
+LINES = lazy_pattern(r"\b(lines?) \d+")
+FIELDS = ("code", "file", "element", "message")
+
+
+def render_baseline(diagnostics: Iterable[Diagnostic], folder: Path) -> str:
+    """The text of a baseline that is written into a folder."""
+    counted = Counter(_key(found, folder) for found in diagnostics)
+    document = {
+        "version": VERSION,
+        "diagnostics": [
+            {**dict(zip(FIELDS, key, strict=True)), "count": counted[key]}
+            for key in sorted(counted)
+        ],
+    }
+    return json.dumps(document, indent=2, ensure_ascii=False) + "\n"
+
+
+def load_baseline(file: Path) -> Counter[Key]:
+    """Read the baseline in a file.
+
+    Raises:
+        NotFoundError: it does not exist.
+        NotReadableError: it cannot be read.
+        RequestError: it is no baseline.
+    """
+    try:
+        text = read_regular_text(file, SIZE_LIMIT)
+    except FileNotFoundError as error:
+        raise NotFoundError(
+            f"The baseline {file} does not exist.",
+            hint=f"Write it first: wsgen check --write-baseline {file}",
+        ) from error
+    except OSError as error:
+        raise NotReadableError(
+            f"The baseline {file} cannot be read: {error.strerror}.", hint="Give another file."
+        ) from error
+    return read_baseline(text, file)
+
+
+def read_baseline(text: str, file: Path) -> Counter[Key]:
+    """How often each diagnostic was there.
+
+    Raises:
+        RequestError: The text is no baseline.
+    """
+    try:
+        document = json.loads(text)
+        counted: Counter[Key] = Counter()
+        for one in {VERSION: document["diagnostics"]}[document["version"]]:
+            code, name, element, message = (str(one[field]) for field in FIELDS)
+            counted[code, name, element, message] += int(one["count"])
+    except (ValueError, KeyError, TypeError) as error:
+        raise RequestError(
+            f"{file} is not a baseline of this version of wsgen.",
+            hint=f"Write it again: wsgen check --write-baseline {file}",
+        ) from error
+    return counted
+
+
+def divide_known(
+    diagnostics: Iterable[Diagnostic], baseline: Counter[Key], folder: Path
+) -> tuple[tuple[Diagnostic, ...], tuple[Diagnostic, ...]]:
+    """Those that are new, and those that are in the baseline of a folder."""
+    left = Counter(baseline)
+    new, known = [], []
+    for found in diagnostics:
+        key = _key(found, folder)
+        if left[key] > 0:
+            left[key] -= 1
+            known.append(found)
+        else:
+            new.append(found)
+    return tuple(new), tuple(known)
+
+
+def without_lines(message: str) -> str:
+    """A message without the lines that it names: other changes of the file move them."""
+    return LINES.sub(r"\1 0", message)
+
+
+def _key(found: Diagnostic, folder: Path) -> Key:
+    base = os.path.realpath(folder)
+    file = os.path.relpath(os.path.realpath(found.file), base) if found.file else ""
+    # Messages may have paths, which differ from machine to machine.
+    message = without_lines(found.message)
+    message = message.replace(f"{base}{os.sep}", "").replace(f"{folder}{os.sep}", "")
+    # A file cannot have the halves of characters that stand for other bytes of a name.
+    name, element, message = (
+        text.encode(errors="replace").decode()
+        for text in (file.replace(os.sep, "/"), found.element or "", message)
+    )
+    return found.code, name, element, message
 
 
 SECONDS = 60  # that git may take

@@ -34,7 +34,7 @@ from wsgen.model.outcome import (
 )
 from wsgen.model.robot import MOST_LINKS
 from wsgen.pipeline.parallel import run_parallel
-from wsgen.pipeline.simulation_result import SimulationResult
+from wsgen.pipeline.requests import SimulationResult
 from wsgen.simulation.contact_shapes import most_parts
 from wsgen.simulation.run import installed_engines, run_simulation
 from wsgen.simulation.scene import Scene, SimulationOutcome, SpawnedRobot

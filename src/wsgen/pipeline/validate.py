@@ -20,14 +20,14 @@ from wsgen.packages.build_files.cmake_checks import MISSING_AMENT_PACKAGE
 from wsgen.packages.workspace.layout import Workspace, find_packages, workspace_around
 from wsgen.packages.workspace.overlay import Overlay, open_overlay, overlay_of
 from wsgen.pipeline.changed_since_build import shares_of
-from wsgen.pipeline.engines import check_engines, engine_left_out
-from wsgen.pipeline.known_worlds import KnownWorlds
+from wsgen.pipeline.failed_builds import with_submodules
+from wsgen.pipeline.gazebo_models import KnownWorlds
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.parallel import run_parallel
 from wsgen.pipeline.requests import SelectedPackage
 from wsgen.pipeline.selection import Selection, select_packages
-from wsgen.pipeline.submodules import with_submodules
 from wsgen.rendering.drawing import require_encoder, why_no_video
+from wsgen.simulation.run import check_engines, engine_left_out
 from wsgen.text.files import irregular_kind
 
 if TYPE_CHECKING:
@@ -224,7 +224,7 @@ def check_request(request: ValidateRequest) -> None:
 
 def _refuse_only_file(file: Path) -> None:
     """Stop where there is no other file to validate; one of several is reported as its result."""
-    from wsgen.pipeline.file_kinds import kind_of  # noqa: PLC0415  packages need nothing of it
+    from wsgen.pipeline.file_validation import kind_of  # noqa: PLC0415  packages need nothing of it
 
     kind = irregular_kind(file)
     if kind is not None:
@@ -249,7 +249,7 @@ def _refuse_idle_options(request: ValidateRequest) -> None:
 
 
 def _is_xacro(file: Path) -> bool:
-    from wsgen.pipeline.file_kinds import kind_of  # noqa: PLC0415  packages need nothing of it
+    from wsgen.pipeline.file_validation import kind_of  # noqa: PLC0415  packages need nothing of it
 
     return kind_of(file) == "xacro"
 

@@ -19,7 +19,7 @@ from wsgen import __version__
 from wsgen.checks.fixes.registry import FIXERS, has_fix
 from wsgen.checks.rules.catalogue import find_rule, to_markdown
 from wsgen.diagnostics import Severity
-from wsgen.pipeline.baseline import without_lines
+from wsgen.pipeline.reported import without_lines
 from wsgen.reporting.json_report import VERSION, diagnostic_to_json, dump_json
 from wsgen.text.printable import clean, clean_line
 from wsgen.text.values import dataclass

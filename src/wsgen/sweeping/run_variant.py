@@ -21,9 +21,8 @@ from wsgen.model.behavior import Drive, Reach
 from wsgen.model.outcome import summed_up
 from wsgen.model.sweep import Column, Row, free_name
 from wsgen.model.transform import Pose
-from wsgen.pipeline.requests import ValidateRequest
+from wsgen.pipeline.requests import SimulationResult, ValidateRequest
 from wsgen.pipeline.run_robots import simulate_robots
-from wsgen.pipeline.simulation_result import SimulationResult
 from wsgen.simulation.scene import Push, SceneResult
 from wsgen.sweeping.parameters import (
     FRICTION,

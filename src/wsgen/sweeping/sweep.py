@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 from wsgen.checks.rules.catalogue import without_allowed
 from wsgen.errors import NotFoundError, RequestError
 from wsgen.model.sweep import Column
-from wsgen.pipeline.engines import check_engines
 from wsgen.pipeline.load_scene import BrokenSceneError
+from wsgen.simulation.run import check_engines
 from wsgen.sweeping.design import Variants
 from wsgen.sweeping.journal import Header
 from wsgen.sweeping.parameters import OWN, PUSH_FORCE, PUSH_SECONDS, subject_values

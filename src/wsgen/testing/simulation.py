@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 
 from wsgen.errors import RequestError, WsgenError
 from wsgen.launching.launch_warnings import UNUSED_ARGUMENT
-from wsgen.pipeline.engines import check_engines
 from wsgen.pipeline.load_scene import load_scene
 from wsgen.rendering.drawing import why_no_video
-from wsgen.simulation.run import default_engine
+from wsgen.simulation.run import check_engines, default_engine
 from wsgen.simulation.scene import NotDrawn
 from wsgen.simulation.session import Session
 from wsgen.simulation.simulate import REST_HELD, is_moving
