@@ -21,7 +21,7 @@ import pytest
 from classic.gazebo_classic import GazeboClassic, why_missing
 from ros_nodes.sensor_messages import install_sensor_messages
 from ros_nodes.test_sensors import mounted, run
-from wsgen.live.nodes.simulator.sensors.inertial import InertialUnit
+from wsgen.live.nodes.simulator.sensors.motion import InertialUnit
 from wsgen.model.robot import (
     Box,
     Collision,
@@ -491,7 +491,7 @@ def test_a_magnetometer(recorded: Any) -> None:
 @pytest.mark.parametrize(("frame", "side"), WRENCHES)
 def test_a_force_torque_sensor(frame: str, side: str, recorded: Any) -> None:
     """A weight that hangs beside its joint, at rest: about the joint, whatever the <pose>."""
-    from wsgen.live.nodes.simulator.sensors.force_torque import (  # noqa: PLC0415  with fakes
+    from wsgen.live.nodes.simulator.sensors.forces import (  # noqa: PLC0415  with fakes
         JointLoad,
     )
 

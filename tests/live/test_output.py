@@ -10,8 +10,15 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from live_launch import Launch
-from wsgen.live.process import PRINTED_AT_ONCE, Budget, LineFormat, Output, destinations
-from wsgen.live.screen import LogFiles, Screen
+from wsgen.live.process import (
+    PRINTED_AT_ONCE,
+    Budget,
+    LineFormat,
+    LogFiles,
+    Output,
+    Screen,
+    destinations,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -173,7 +180,7 @@ def test_listeners_hear_whole_lines() -> None:
 def test_a_log_is_not_larger_than_it_may_be(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("wsgen.live.screen.LARGEST_LOG", 100)
+    monkeypatch.setattr("wsgen.live.process.LARGEST_LOG", 100)
     logs = LogFiles(tmp_path)
     for _ in range(100):
         logs.write("launch.log", b"\x1b[31mtwenty characters 12\x1b[0m")

@@ -11,7 +11,7 @@ import pytest
 
 from wsgen.errors import RequestError
 from wsgen.isolation.codec import decode, encode
-from wsgen.live.later_entities import Preparer, serve
+from wsgen.live.prepare import Preparer, serve
 from wsgen.model.plan import LaunchPlan
 from wsgen.model.transform import Pose
 from wsgen.packages.workspace.overlay import Overlay

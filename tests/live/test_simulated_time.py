@@ -7,8 +7,8 @@ import socket
 import threading
 from typing import TYPE_CHECKING
 
-from wsgen.live import timeline
-from wsgen.live.timeline import SimulatedTime
+from wsgen.live import termination
+from wsgen.live.termination import SimulatedTime
 from wsgen.simulation.live_scene import short_name, socket_path
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def test_one_connection_asks_a_socket_with_a_long_path(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(timeline, "SECONDS", 60.0)  # on a busy machine
+    monkeypatch.setattr(termination, "SECONDS", 60.0)  # on a busy machine
     folder = tmp_path / ("long" * 25) / ("path" * 25)
     folder.mkdir(parents=True)
     time = SimulatedTime(folder)

@@ -168,7 +168,7 @@ class FakeNode:
 
 def _refuse(name: str) -> None:
     """What is no name of ROS."""
-    from wsgen.live.nodes.simulator.names_and_qos import BadNameError  # noqa: PLC0415  imported anew
+    from wsgen.live.nodes.simulator.topics import BadNameError  # noqa: PLC0415  imported anew
 
     if re.search(r"[^A-Za-z0-9_/~{}]", name):
         raise BadNameError(f"ROS refuses `{name}`.")

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from ros_nodes.sensor_texts import element
-from wsgen.live.nodes.simulator.sensors.geodesy import LARGE, Origin, pressure_at, read_origin
+from wsgen.live.nodes.simulator.sensors.motion import LARGE, Origin, pressure_at, read_origin
 
 TEXT = (
     "<spherical_coordinates><latitude_deg>47</latitude_deg><longitude_deg>8</longitude_deg>"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ros_nodes.sensor_texts import element
-from wsgen.live.nodes.simulator.sensors.inertial import InertialUnit, reference_of
+from wsgen.live.nodes.simulator.sensors.motion import InertialUnit, reference_of
 from wsgen.model.transform import IDENTITY, Pose, rotation_of_rpy
 
 G = 9.8

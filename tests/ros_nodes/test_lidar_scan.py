@@ -10,7 +10,7 @@ import pytest
 
 from ros_nodes.sensor_texts import block, element, world_of
 from wsgen.live.nodes.simulator.host import CannotWorkError
-from wsgen.live.nodes.simulator.sensors.lidar_scan import LidarSpec, Scanner, read_lidar
+from wsgen.live.nodes.simulator.sensors.lidar_rays import LidarSpec, Scanner, read_lidar
 from wsgen.model.transform import Pose
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from ros_nodes.sensor_texts import block, world_of
-from wsgen.live.nodes.simulator.sensors.reflection import Reflection
+from wsgen.live.nodes.simulator.sensors.lidar_rays import Reflection
 from wsgen.model.robot import Box, Capsule, Collision, Cylinder, Link, Mesh, Robot, Sphere, Visual
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.simulation.scene import SpawnedRobot

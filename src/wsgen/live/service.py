@@ -23,25 +23,22 @@ from wsgen.launching.record import CommandOutcome
 from wsgen.live.asked_nodes import AskedNodes, LaunchNode, managed_by
 from wsgen.live.journal import JournalWriter
 from wsgen.live.process import (
+    LOG_FOLDER,
     PRINTED_A_SECOND,
     STDOUT,
+    LogFiles,
     Output,
     RunningProcess,
+    Screen,
+    ScreenHandler,
+    log_base,
+    make_log_folder,
     signal_number,
 )
 from wsgen.live.replacements import LeftOut, find_component
 from wsgen.live.request import INTERRUPT, TERMINATE
 from wsgen.live.resolve import Resolved, Resolver, entities_of, is_node
-from wsgen.live.screen import (
-    LOG_FOLDER,
-    LogFiles,
-    Screen,
-    ScreenHandler,
-    log_base,
-    make_log_folder,
-)
-from wsgen.live.termination import Shutdown, Termination
-from wsgen.live.timeline import LiveTimeline, ScheduledCall, SimulatedTime
+from wsgen.live.termination import LiveTimeline, ScheduledCall, Shutdown, SimulatedTime, Termination
 from wsgen.ros.environment.environment import (
     ON_THIS_MACHINE,
     PROFILES,

@@ -10,7 +10,7 @@ import pytest
 
 from ros_nodes.ros2_control.controlled import controlled
 from simulation.robots import body, joint, tree
-from wsgen.live.nodes.simulator.ros2_control.unordered import unordered
+from wsgen.live.nodes.simulator.ros2_control.hardware import unordered
 from wsgen.model.robot import Box, JointType
 
 KIND = "joint_state_broadcaster/JointStateBroadcaster"

@@ -15,7 +15,7 @@ from rcl_interfaces.msg import Parameter as ParameterMessage
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 
-from wsgen.live.nodes.colors import colored
+from wsgen.live.nodes.controller_spawner import colored
 from wsgen.text import yamlfile
 
 if TYPE_CHECKING:

@@ -16,7 +16,6 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.launching.spawner_options import OF_CONTROLLER, OF_SPAWNER
-from wsgen.live.nodes.colors import colored
 from wsgen.live.nodes.signals import ignore_ends, raise_when_ended
 from wsgen.text.values import dataclass
 
@@ -25,6 +24,18 @@ if TYPE_CHECKING:
 
     from wsgen.launching.spawner_options import ControllerOptions
     from wsgen.live.nodes.controller_services import ManagerClient
+
+
+_COLORS = {"blue": 94, "cyan": 96, "green": 92, "yellow": 93, "red": 91, "bold": 1}
+
+
+def colored(text: str, *names: str) -> str:
+    """The text in colors, where ROS's own tools would color it."""
+    wanted = os.environ.get("RCUTILS_COLORIZED_OUTPUT")
+    if wanted == "0" or (wanted != "1" and not sys.stdout.isatty()):
+        return text
+    return "".join(f"\033[{_COLORS[name]}m" for name in names) + text + "\033[0m"
+
 
 UNSPAWN = "--unspawn"  # the first argument of an unspawner
 EACH = "--controller"  # before each name, with arguments of its own

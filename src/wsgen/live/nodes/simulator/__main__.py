@@ -21,12 +21,12 @@ from wsgen.live.nodes.bridge import split
 from wsgen.live.nodes.signals import ignore_ends, raise_when_ended
 from wsgen.live.nodes.simulator.commands import CommandServer
 from wsgen.live.nodes.simulator.host import Due
-from wsgen.live.nodes.simulator.names_and_qos import BadNameError
 from wsgen.live.nodes.simulator.pose_logger import PoseLogger
 from wsgen.live.nodes.simulator.ros import Ros
 from wsgen.live.nodes.simulator.services import offer_services
 from wsgen.live.nodes.simulator.simulation import LiveSimulation, RefusedError
 from wsgen.live.nodes.simulator.timing import Pace
+from wsgen.live.nodes.simulator.topics import BadNameError
 from wsgen.model.engines import ENGINES
 from wsgen.simulation.live_scene import (
     FOLDER_VARIABLE,

@@ -16,11 +16,10 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from wsgen.isolation.codec import decode, encode
-from wsgen.live.nodes.simulator.names_and_qos import BadNameError
 from wsgen.live.nodes.simulator.services import SERVICE, GzServices
 from wsgen.live.nodes.simulator.simulation import RefusedError
 from wsgen.live.nodes.simulator.timing import TINY
-from wsgen.live.nodes.simulator.topics import Rule, problem_of
+from wsgen.live.nodes.simulator.topics import BadNameError, Rule, problem_of
 from wsgen.simulation.live_scene import NewEntity, PreparedEntity, short_name, socket_path
 
 if TYPE_CHECKING:

@@ -6,8 +6,13 @@ import math
 from dataclasses import field
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
-from wsgen.live.nodes.simulator.names_and_qos import node_name, written_qos
-from wsgen.live.nodes.simulator.topics import GzTopics, Publisher, RosPublisher
+from wsgen.live.nodes.simulator.topics import (
+    GzTopics,
+    Publisher,
+    RosPublisher,
+    node_name,
+    written_qos,
+)
 from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:

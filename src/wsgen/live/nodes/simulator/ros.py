@@ -19,8 +19,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-from wsgen.live.nodes.simulator.names_and_qos import BadNameError
-from wsgen.live.nodes.simulator.topics import Endpoint, mixed_types
+from wsgen.live.nodes.simulator.topics import BadNameError, Endpoint, mixed_types
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence

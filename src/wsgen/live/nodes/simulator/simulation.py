@@ -16,10 +16,10 @@ from wsgen.gazebo.systems import (
     plugin_of,
 )
 from wsgen.live.nodes.simulator.host import CannotWorkError, Due, Host, RobotHandle
-from wsgen.live.nodes.simulator.names_and_qos import BadNameError
 from wsgen.live.nodes.simulator.plugins import DONE_BY_SIMULATOR, PLUGINS, WORLD_PLUGINS
 from wsgen.live.nodes.simulator.sensors import SENSORS
 from wsgen.live.nodes.simulator.timing import TINY, following
+from wsgen.live.nodes.simulator.topics import BadNameError
 from wsgen.model.devices import Devices, in_namespace
 from wsgen.simulation.simulate import spawn_robots
 

@@ -14,7 +14,6 @@ from controller_manager_msgs import srv
 from controller_manager_msgs.msg import ControllerState, HardwareComponentState, HardwareInterface
 from lifecycle_msgs.msg import State
 
-from wsgen.live.nodes.simulator.names_and_qos import BadNameError
 from wsgen.live.nodes.simulator.ros2_control.controllers import TYPES, controller_class
 from wsgen.live.nodes.simulator.ros2_control.controllers.base import (
     Controller,
@@ -31,6 +30,7 @@ from wsgen.live.nodes.simulator.ros2_control.switching import (
     Switch,
     plan_switch,
 )
+from wsgen.live.nodes.simulator.topics import BadNameError
 from wsgen.text.suggestions import ask_for_nearest
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ import numpy as np
 
 from wsgen.live.nodes.simulator.host import CannotWorkError
 from wsgen.live.nodes.simulator.ros2_control.hardware import FORCE_TORQUE, IMU
-from wsgen.live.nodes.simulator.sensors.force_torque import JointLoad
-from wsgen.live.nodes.simulator.sensors.inertial import InertialUnit, reference_of
+from wsgen.live.nodes.simulator.sensors.forces import JointLoad
+from wsgen.live.nodes.simulator.sensors.motion import InertialUnit, reference_of
 from wsgen.live.nodes.simulator.sensors.mounting import Sensor, rotation
 from wsgen.model.transform import quaternion_of_rpy, rpy_of_rotation
 

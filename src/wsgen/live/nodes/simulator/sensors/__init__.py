@@ -10,9 +10,9 @@ _HERE = "wsgen.live.nodes.simulator.sensors"
 
 SENSORS: dict[str, str] = {
     **dict.fromkeys(("ray", "gpu_ray", "lidar", "gpu_lidar"), f"{_HERE}.lidar:Lidar"),
-    "imu": f"{_HERE}.imu:Imu",
-    "contact": f"{_HERE}.contact:ContactSensor",
-    "force_torque": f"{_HERE}.force_torque:ForceTorque",
+    "imu": f"{_HERE}.navigation:Imu",
+    "contact": f"{_HERE}.forces:ContactSensor",
+    "force_torque": f"{_HERE}.forces:ForceTorque",
     **dict.fromkeys(("gps", "navsat"), f"{_HERE}.navigation:NavSat"),
     "altimeter": f"{_HERE}.navigation:Altimeter",
     "air_pressure": f"{_HERE}.navigation:AirPressure",

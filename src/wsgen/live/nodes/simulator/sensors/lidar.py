@@ -27,7 +27,7 @@ from sensor_msgs.msg import ChannelFloat32, LaserScan, PointCloud, PointCloud2, 
 
 from wsgen.live.nodes.simulator.elements import number, text
 from wsgen.live.nodes.simulator.host import CannotWorkError
-from wsgen.live.nodes.simulator.sensors.lidar_scan import Scanner, read_lidar
+from wsgen.live.nodes.simulator.sensors.lidar_rays import Housings, Reflection, Scanner, read_lidar
 from wsgen.live.nodes.simulator.sensors.mounting import (
     FLOAT32,
     NEVER,
@@ -37,13 +37,12 @@ from wsgen.live.nodes.simulator.sensors.mounting import (
     layout,
     sensor_qos,
 )
-from wsgen.live.nodes.simulator.sensors.reflection import Housings, Reflection
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from wsgen.live.nodes.simulator.host import Host, RobotHandle
-    from wsgen.live.nodes.simulator.sensors.lidar_scan import CastRays
+    from wsgen.live.nodes.simulator.sensors.lidar_rays import CastRays
     from wsgen.model.devices import Element, MountedSensor
     from wsgen.simulation.scene import SpawnedRobot
 

@@ -23,7 +23,7 @@ from wsgen.gazebo.sensors import FRAME_NAMES
 from wsgen.gazebo.successors import ROS_1_PLUGINS
 from wsgen.live.nodes.simulator.elements import number
 from wsgen.live.nodes.simulator.host import CannotWorkError, Plugin
-from wsgen.live.nodes.simulator.names_and_qos import written_qos
+from wsgen.live.nodes.simulator.topics import written_qos
 from wsgen.model.transform import compose, rotate, rotation_of_rpy
 
 if TYPE_CHECKING:

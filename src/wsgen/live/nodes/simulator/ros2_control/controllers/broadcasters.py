@@ -9,8 +9,7 @@ from geometry_msgs.msg import WrenchStamped
 from sensor_msgs.msg import Imu, JointState
 
 from wsgen.live.nodes.simulator.ros2_control.controllers.base import Controller, ControllerError
-from wsgen.live.nodes.simulator.ros2_control.hardware import FORCE_TORQUE, IMU, OF_JOINTS
-from wsgen.live.nodes.simulator.ros2_control.unordered import unordered
+from wsgen.live.nodes.simulator.ros2_control.hardware import FORCE_TORQUE, IMU, OF_JOINTS, unordered
 
 UNKNOWN = math.nan
 
