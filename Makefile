@@ -64,10 +64,13 @@ $(VENV)/.installed: $(VENV)/bin/python pyproject.toml
 	@$(PIP) install --no-compile --editable .
 	@touch $@
 
-# Dependency groups need pip 25.1.
-$(VENV)/.installed-for-tests: $(VENV)/.installed
+# Dependency groups need pip 25.1. The robots depend on nothing and come beside the rest. What pytest
+# makes of the tests' modules is kept, or each of its processes would make it at once.
+$(VENV)/.installed-for-tests: $(VENV)/bin/python pyproject.toml
 	@echo "What the tests need is installed into $(VENV): about a minute."
 	@$(PIP) install --no-compile --upgrade 'pip>=25.1'
-	@$(PIP) install --no-compile --group test --group lint --group oracle --group extras
-	@$(PIP) install --no-compile --no-deps --group robots --group accessibility
-	@touch $@
+	@$(PIP) install --no-compile --no-deps --group robots --group accessibility & robots=$$!; \
+	$(PIP) install --no-compile --editable . --group test --group lint --group oracle --group extras \
+	  && wait $$robots
+	@$(VENV)/bin/python -m pytest --collect-only -q >/dev/null
+	@touch $(VENV)/.installed $@

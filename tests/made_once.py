@@ -38,6 +38,14 @@ def made_once(factory: pytest.TempPathFactory, name: str, make: Callable[[Path],
     return folder
 
 
+def wait_for_unpacking(folder: Path) -> None:
+    """Wait for what fills a folder while other tests run: `.ci/run` holds a lock of its name."""
+    lock = Path(f"{folder}.lock")
+    if lock.exists():
+        with _locked(lock):
+            pass
+
+
 @contextlib.contextmanager
 def _locked(file: Path) -> Iterator[None]:
     with file.open("w") as held:

@@ -1,7 +1,8 @@
 """The whole loop on every supported Python of this machine, installed as a user installs it.
 
 Interpreters are looked for on the PATH, in pyenv's folder, and in WSGEN_TEST_PYTHONS, which lists
-further folders as PATH does. `.ci/debian-python` unpacks one of Debian that is newer than others.
+further folders as PATH does. `.ci/debian-python` unpacks one of Debian that is newer than others;
+`.ci/run` does so while other tests run.
 """
 
 import functools
@@ -16,6 +17,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from made_once import wait_for_unpacking
 from resolved_packages import HOST, install_arguments
 
 pytestmark = pytest.mark.slow
@@ -28,6 +30,8 @@ def interpreters() -> Iterator[tuple[str, Path]]:
     """Version and path of one interpreter for each supported version but the running one."""
     listed = [os.environ.get(name, "") for name in ("WSGEN_TEST_PYTHONS", "PATH")]
     folders = [Path(entry) for entry in os.pathsep.join(listed).split(os.pathsep) if entry]
+    for folder in listed[0].split(os.pathsep):
+        wait_for_unpacking(Path(folder).parent.parent)  # of its usr/bin
     pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv"))
     folders += sorted(pyenv.glob("versions/*/bin"))
     for version in SUPPORTED:

@@ -15,10 +15,13 @@ import tempfile
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
+import pytest
+
+from made_once import wait_for_unpacking
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
-    import pytest
     from typing_extensions import Self
 
 ROOT = Path(os.environ.get("WSGEN_TEST_GAZEBO_CLASSIC", "/nowhere"))
@@ -52,10 +55,12 @@ VARIABLES = {
     "OGRE_RESOURCE_PATH": "/usr/lib/x86_64-linux-gnu/OGRE-1.9.0",
 }
 SECONDS = 600.0  # CPU time of one server
+NEEDS_CLASSIC = pytest.mark.usefixtures("gazebo_classic")
 
 
 def why_missing() -> str:
-    """Why Gazebo Classic cannot be asked here; empty if it can."""
+    """Why Gazebo Classic cannot be asked here, once `.ci/run` has unpacked it; empty if it can."""
+    wait_for_unpacking(ROOT)
     if not (ROOT / ".unpacked").exists():
         return "needs the folder that .ci/gazebo-classic fills, as WSGEN_TEST_GAZEBO_CLASSIC"
     if os.geteuid() != 0 or shutil.which("unshare") is None:

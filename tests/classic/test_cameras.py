@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from classic.gazebo_classic import HOST, GazeboClassic, inside, recorded_in, why_missing
+from classic.gazebo_classic import HOST, NEEDS_CLASSIC, GazeboClassic, inside, recorded_in
 from classic.views import (
     NAMED,
     PAINTED,
@@ -206,7 +206,7 @@ def published(folder: Path) -> dict[str, Seen]:
 
 @pytest.mark.oracle
 @pytest.mark.slow
-@pytest.mark.skipif(why_missing() != "", reason=why_missing())
+@NEEDS_CLASSIC
 def test_the_record_is_what_gazebo_classic_sees(recorded: Any, tmp_path: Path) -> None:
     name = "near and far"
     assert summary(name, ask([name], tmp_path)[name]) == recorded[name]

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 import xacro
 
-from classic.gazebo_classic import EndedError, GazeboClassic, recorded_in, why_missing
+from classic.gazebo_classic import NEEDS_CLASSIC, EndedError, GazeboClassic, recorded_in
 from public_robots import ROBOTS, find_robot
 from wsgen.descriptions.urdf.lumping import lump
 from wsgen.descriptions.urdf.reader import read_urdf
@@ -100,7 +100,7 @@ def recorded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
     )
 
 
-@pytest.mark.skipif(why_missing() != "", reason=why_missing())
+@NEEDS_CLASSIC
 @pytest.mark.parametrize("name", LIVE)
 def test_the_record_is_what_gazebo_classic_does(name: str, recorded: Any, tmp_path: Path) -> None:
     assert ask(name, tmp_path) == recorded[name]

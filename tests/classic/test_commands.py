@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pytest
 
-from classic.gazebo_classic import GazeboClassic, recorded_in, why_missing
+from classic.gazebo_classic import NEEDS_CLASSIC, GazeboClassic, recorded_in
 from classic.joint_cases import bar, dynamics, lift, limit
 from simulation.conftest import CLASSES
 from simulation.robots import VOID, spawned
@@ -97,7 +97,7 @@ def recorded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
     return recorded_in(RECORDED, request, COMMANDS, lambda name: ask(name, folder))
 
 
-@pytest.mark.skipif(why_missing() != "", reason=why_missing())
+@NEEDS_CLASSIC
 @pytest.mark.parametrize("name", LIVE)
 def test_the_record_is_what_gazebo_classic_does(name: str, recorded: Any, tmp_path: Path) -> None:
     assert ask(name, tmp_path) == pytest.approx(recorded[name], abs=2e-3)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from classic.gazebo_classic import HOST, EndedError, GazeboClassic, recorded_in, why_missing
+from classic.gazebo_classic import HOST, NEEDS_CLASSIC, EndedError, GazeboClassic, recorded_in
 from classic.test_rest_poses import WORLD, engine_of
 from gazebo_oracle import IGN, run_ign
 from mesh_samples import binary_stl
@@ -192,7 +192,7 @@ def recorded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
 
 @pytest.mark.oracle
 @pytest.mark.slow
-@pytest.mark.skipif(why_missing() != "", reason=why_missing())
+@NEEDS_CLASSIC
 @pytest.mark.parametrize("case", LIVE)
 def test_the_record_is_what_gazebo_classic_does(case: str, recorded: Any, tmp_path: Path) -> None:
     assert ask(case, tmp_path) == recorded[case]

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import pytest
 import xacro
 
-from classic.gazebo_classic import GazeboClassic, recorded_in, why_missing
+from classic.gazebo_classic import NEEDS_CLASSIC, GazeboClassic, recorded_in
 from classic.rovers import ROVERS
 from simulation.conftest import CLASSES
 from wsgen.descriptions.urdf.diff_drive import NoDrive, find_diff_drive
@@ -274,7 +274,7 @@ def recorded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
     )
 
 
-@pytest.mark.skipif(why_missing() != "", reason=why_missing())
+@NEEDS_CLASSIC
 @pytest.mark.parametrize("name", LIVE)
 def test_the_record_is_what_gazebo_classic_does(name: str, recorded: Any, tmp_path: Path) -> None:
     places = ask(name, tmp_path)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from classic.gazebo_classic import GazeboClassic, why_missing
+from classic.gazebo_classic import NEEDS_CLASSIC, GazeboClassic
 from urdf_texts import link, robot
 
 if TYPE_CHECKING:
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 pytestmark = [
     pytest.mark.oracle,
     pytest.mark.slow,
-    pytest.mark.skipif(why_missing() != "", reason=why_missing()),
+    NEEDS_CLASSIC,
 ]
 WORLD = (
     "<sdf version='1.6'><world name='default'><include><uri>model://ground_plane</uri></include>"

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from classic.gazebo_classic import GazeboClassic, recorded_in, why_missing
+from classic.gazebo_classic import NEEDS_CLASSIC, GazeboClassic, recorded_in
 from classic.joint_cases import CASES
 from classic.worlds import not_followed
 from simulation.conftest import CLASSES
@@ -93,7 +93,7 @@ def recorded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
     return recorded_in(RECORDED, request, CASES, lambda name: ask(name, folder))
 
 
-@pytest.mark.skipif(why_missing() != "", reason=why_missing())
+@NEEDS_CLASSIC
 @pytest.mark.parametrize("name", LIVE)
 def test_the_record_is_what_gazebo_classic_does(name: str, recorded: Any, tmp_path: Path) -> None:
     for joint, places in ask(name, tmp_path).items():

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from lxml import etree
 
-from classic.gazebo_classic import EndedError, GazeboClassic, inside, recorded_in, why_missing
+from classic.gazebo_classic import NEEDS_CLASSIC, EndedError, GazeboClassic, inside, recorded_in
 from classic.still_lifes import STILL_LIFES, world_of
 from classic.test_classic_robots import read
 from public_robots import ROBOTS
@@ -250,7 +250,7 @@ def recorded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
     )
 
 
-@pytest.mark.skipif(why_missing() != "", reason=why_missing())
+@NEEDS_CLASSIC
 @pytest.mark.parametrize("name", LIVE)
 def test_the_record_is_what_gazebo_classic_does(name: str, recorded: Any, tmp_path: Path) -> None:
     assert ask_still_life(name, tmp_path) == recorded[0][name]

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from classic.gazebo_classic import GazeboClassic, why_missing
+from classic.gazebo_classic import NEEDS_CLASSIC, GazeboClassic, why_missing
 from ros_nodes.sensor_messages import install_sensor_messages
 from ros_nodes.test_sensors import mounted, run
 from wsgen.live.nodes.simulator.sensors.motion import InertialUnit
@@ -328,7 +328,7 @@ def _messages(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.oracle
 @pytest.mark.slow
-@pytest.mark.skipif(why_missing() != "", reason=why_missing())
+@NEEDS_CLASSIC
 def test_the_record_is_what_gazebo_classic_measures(recorded: Any, tmp_path: Path) -> None:
     found = json.loads(record(tmp_path))
     expected = dict(recorded)

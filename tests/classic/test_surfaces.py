@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from classic.gazebo_classic import GazeboClassic, recorded_in, why_missing
+from classic.gazebo_classic import NEEDS_CLASSIC, GazeboClassic, recorded_in
 from classic.worlds import ENGINES, SURFACES, not_followed, simulated, world_of
 from wsgen.checks.rules.settings import FRICTION_DIRECTION, MIN_DEPTH, SOFT
 
@@ -58,7 +58,7 @@ def recorded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
     return recorded_in(RECORDED, request, SURFACES, lambda name: ask(SURFACES[name], folder))
 
 
-@pytest.mark.skipif(why_missing() != "", reason=why_missing())
+@NEEDS_CLASSIC
 @pytest.mark.parametrize("name", LIVE)
 def test_the_record_is_what_gazebo_classic_does(name: str, recorded: Any, tmp_path: Path) -> None:
     assert ask(SURFACES[name], tmp_path) == recorded[name]

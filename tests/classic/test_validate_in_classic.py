@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from classic.gazebo_classic import why_missing
+from classic.gazebo_classic import NEEDS_CLASSIC
 from gazebo_on_path import put_on_path
 from urdf_texts import joint, link, robot, shape
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 pytestmark = [
     pytest.mark.oracle,
     pytest.mark.slow,
-    pytest.mark.skipif(why_missing() != "", reason=why_missing()),
+    NEEDS_CLASSIC,
 ]
 INERTIAL = (
     '<inertial><mass value="{}"/>'
