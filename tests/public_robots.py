@@ -16,6 +16,20 @@ PREFIXES = {
     "upkie_description": "upkie_description/",
 }
 
+# Half of the time is for these; others of the same makers and kinds are compared in any case.
+MANY_PARTS = {
+    "alex_psyonic_hands",
+    "alex_sake_hands",
+    "anymal_b_kinova",  # anymal_b and kinova
+    "b1_z1",
+    "character",
+    "g1_29dof_with_hand_rev_1_0",
+    "icub_simple_collisions",
+    "icubdarmstadt01",
+    "icubgazebov2_7",
+    "tiago",
+}
+
 ROBOTS = (
     ("pybullet", "TwoJointRobot_w_fixedJoints.urdf", "twojointrobot_w_fixedjoints"),
     ("pybullet", "a1/a1.urdf", "a1"),

@@ -138,13 +138,12 @@ def marker_variables(platform: str, python: str) -> dict[str, str]:
     }
 
 
-# pip takes seconds for each. On other machines than the usual one: the oldest Python, the
-# newest, and the first of each engine.
+# pip takes seconds for each: the oldest Python, the newest, and the first of PyBullet's fork.
 MACHINES = [
     (platform, python)
     for platform, engines in ENGINES.items()
     for python, engine, before in zip(PYTHONS, engines, (None, *engines), strict=False)
-    if platform == "linux-x86_64" or python == PYTHONS[-1] or engine != before
+    if python in {PYTHONS[0], PYTHONS[-1]} or (engine != before and engine == "pybullet-arm64")
 ]
 
 
@@ -152,15 +151,19 @@ MACHINES = [
 Request = tuple[str, str, str]
 
 
-def extras_for(platform: str) -> str:
-    return "[dart,video,report,sweep]" if platform.startswith("linux") else "[video,report,sweep]"
+# On one machine of each system the other engine comes as well.
+WITH_MUJOCO = {("linux-x86_64", "3.10"), ("macos-arm64", "3.10"), ("windows-amd64", "3.10")}
+
+
+def extras_for(platform: str, python: str) -> str:
+    dart = "dart," if platform.startswith("linux") else ""
+    mujoco = "mujoco," if (platform, python) in WITH_MUJOCO else ""
+    return f"[{dart}{mujoco}video,report,sweep]"
 
 
 RUNNING = f"{sys.version_info[0]}.{sys.version_info[1]}"
-WITH_MUJOCO = [("linux-x86_64", "3.10"), ("macos-arm64", "3.11"), ("windows-amd64", "3.13")]
 REQUESTS: list[Request] = [
-    *((extras_for(platform), platform, python) for platform, python in MACHINES),
-    *(("[mujoco]", platform, python) for platform, python in WITH_MUJOCO),
+    *((extras_for(*machine), *machine) for machine in MACHINES),
     *(("", platform, RUNNING) for platform in PLATFORMS if platform == MADE_UP),
 ]
 
@@ -234,7 +237,7 @@ def install_arguments(factory: pytest.TempPathFactory, platform: str, python: st
     Finding out what belongs together takes pip longer than installing it. `pip check` says whether
     something is missing. Where nobody has found it out, pip does.
     """
-    requests = [one for one in REQUESTS if one[1:] == (platform, python) and one[0] != "[mujoco]"]
+    requests = [one for one in REQUESTS if one[1:] == (platform, python)]
     if not requests:
         return ["install", str(wheel_of_wsgen(factory))]
     (request,) = requests

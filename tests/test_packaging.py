@@ -22,6 +22,7 @@ from resolved_packages import (
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[1]
+ENGINE_NAMES = {"pybullet", "pybullet-arm64", "mujoco", "mujoco-core"}
 
 
 @pytest.fixture(scope="module")
@@ -61,9 +62,12 @@ def reports(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(("platform", "python"), MACHINES)
 def test_pip_finds_wheels_for_every_machine(reports: Path, platform: str, python: str) -> None:
     has_dart = platform.startswith("linux")
-    found = resolved(reports, (extras_for(platform), platform, python))
+    found = resolved(reports, (extras_for(platform, python), platform, python))
     assert ("dartpy" in found) == has_dart
-    engines = {"pybullet", "pybullet-arm64", "mujoco", "mujoco-core"} & found.keys()
+    engines = ENGINE_NAMES & found.keys()
+    if (platform, python) in WITH_MUJOCO:
+        assert len(engines) == 2
+        engines -= {"mujoco", "mujoco-core"}
     assert engines == {ENGINES[platform][PYTHONS.index(python)]}
     assert ("ros-ament-cmake" in found) == (platform == "linux-x86_64")
     assert found.keys() >= {"ros-ament-package", "cmake", "numpy", "av", "plotly", "scipy"}
@@ -73,22 +77,32 @@ def test_pip_finds_wheels_for_every_machine(reports: Path, platform: str, python
     assert ("exceptiongroup" in found or "tomli" in found) == (python == "3.10")
 
 
-@pytest.mark.parametrize(("platform", "python"), WITH_MUJOCO)
-def test_mujoco_is_an_extra_elsewhere(reports: Path, platform: str, python: str) -> None:
-    found = resolved(reports, ("[mujoco]", platform, python))
-    assert {"mujoco", "mujoco-core"} & found.keys()
-
-
-def test_no_machine_gets_what_it_has_no_wheel_for(wheel: Path) -> None:
-    """Where pip has only sources of an engine or of ament_cmake, it would start a compiler."""
+@pytest.fixture(scope="module")
+def requirements(wheel: Path) -> list[Requirement]:
     with zipfile.ZipFile(wheel) as archive:
         name = next(one for one in archive.namelist() if one.endswith("/METADATA"))
         metadata = email.message_from_bytes(archive.read(name))
-    requirements = [Requirement(line) for line in metadata.get_all("Requires-Dist", [])]
-    without_wheels = {"sys_platform": "linux", "platform_machine": "armv7l"}
-    variables = {**marker_variables("linux-aarch64", "3.12"), **without_wheels, "extra": ""}
-    taken = {
-        one.name for one in requirements if one.marker is None or one.marker.evaluate(variables)
+    return [Requirement(line) for line in metadata.get_all("Requires-Dist", [])]
+
+
+def taken(requirements: list[Requirement], variables: dict[str, str]) -> set[str]:
+    """The names of what comes on such a machine without extras."""
+    environment = {**variables, "extra": ""}
+    return {
+        one.name for one in requirements if one.marker is None or one.marker.evaluate(environment)
     }
-    assert {"click", "numpy"} <= taken
-    assert not {one for one in taken if one.startswith(("pybullet", "mujoco", "ros-ament-cmake"))}
+
+
+@pytest.mark.parametrize("platform", ENGINES)
+def test_one_engine_comes_on_every_machine(requirements: list[Requirement], platform: str) -> None:
+    for python, engine in zip(PYTHONS, ENGINES[platform], strict=True):
+        found = taken(requirements, marker_variables(platform, python))
+        assert found & ENGINE_NAMES == {engine}, python
+
+
+def test_no_machine_gets_what_it_has_no_wheel_for(requirements: list[Requirement]) -> None:
+    """Where pip has only sources of an engine or of ament_cmake, it would start a compiler."""
+    without_wheels = {"sys_platform": "linux", "platform_machine": "armv7l"}
+    found = taken(requirements, {**marker_variables("linux-aarch64", "3.12"), **without_wheels})
+    assert {"click", "numpy"} <= found
+    assert not {one for one in found if one.startswith(("pybullet", "mujoco", "ros-ament-cmake"))}

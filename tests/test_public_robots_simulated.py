@@ -17,7 +17,7 @@ from typing import Any
 
 import pytest
 
-from public_robots import CUT, REFUSED, ROBOTS, find_robot
+from public_robots import CUT, MANY_PARTS, REFUSED, ROBOTS, find_robot
 from wsgen.simulation.run import missing_engines
 
 PAGE = Path(__file__).parents[1] / "docs" / "robots.md"
@@ -70,33 +70,13 @@ bold; [rules.md](rules.md) lists the codes.
 pytestmark = [pytest.mark.slow, pytest.mark.oracle]
 
 
-# A third of the time is for these; others of the same makers and kinds are simulated in any case.
-MANY_PARTS = {
-    "g1_29dof_with_hand_rev_1_0",
-    "icubdarmstadt01",
-    "icubgazebov2_7",
-    "alex_psyonic_hands",
-    "anymal_b_kinova",  # anymal_b and kinova
-    "b1_z1",
-}
-# MuJoCo makes the same of the parts that these share with smaller ones.
-IN_ONE_ENGINE = {
-    "alex_sake_hands",
-    "character",
-    "icub_simple_collisions",
-    "jvrc1",
-    "tiago",
-}
-
-
 @functools.cache
 def check(engine: str, *, thorough: bool) -> dict[str, dict[str, Any]]:
     """What wsgen says, by the short name of the robot."""
-    left_out = MANY_PARTS if engine == "bullet" else MANY_PARTS | IN_ONE_ENGINE
     files = {
         name: file
         for package, path, name in ROBOTS
-        if (file := find_robot(package, path)) and (thorough or name not in left_out)
+        if (file := find_robot(package, path)) and (thorough or name not in MANY_PARTS)
     }
     if not files:
         pytest.skip("the packages with robots are not installed")

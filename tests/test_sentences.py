@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import click
 import pytest
 
-from test_words import texts
+from test_words import texts, unwanted
 from wsgen.cli import COMMANDS, wsgen
 
 if TYPE_CHECKING:
@@ -105,9 +105,9 @@ def _joined(parts: list[ast.expr]) -> list[str]:
     return texts
 
 
-def said(tree: ast.AST) -> Iterator[tuple[int, str, str]]:
+def said(nodes: list[ast.AST]) -> Iterator[tuple[int, str, str]]:
     """Line, kind and text of what a module says to users: "message", "hint", "help", "rule"."""
-    for node in ast.walk(tree):
+    for node in nodes:
         if isinstance(node, ast.Dict):
             pairs = [
                 (key.value, value)
@@ -155,9 +155,9 @@ def all_said() -> list[tuple[str, str, str]]:
     """Place, kind and text of all that the sources say; "part" of what comes in other ways."""
     found = []
     for path in sorted(SOURCES.rglob("*.py")):
-        tree = ast.parse(path.read_text(encoding="utf-8"))
-        parts = ((text.lineno, "part", str(text.value)) for text in texts(tree))
-        for line, kind, text in (*said(tree), *parts):
+        nodes = [*ast.walk(ast.parse(path.read_text(encoding="utf-8")))]
+        parts = ((text.lineno, "part", str(text.value)) for text in texts(nodes))
+        for line, kind, text in (*said(nodes), *parts):
             found.append((f"{path.relative_to(SOURCES)}:{line}", kind, text))
     return found
 
@@ -186,6 +186,11 @@ def report(wrong: list[str]) -> None:
 
 def test_all_is_plain_english() -> None:
     wrong = {f"{place}: {one}" for place, _, text in all_said() for one in unplain(text)}
+    report(sorted(wrong))
+
+
+def test_it_has_the_words_of_roboticists() -> None:
+    wrong = {f"{place}: {word}" for place, _, text in all_said() for _, word in unwanted(text)}
     report(sorted(wrong))
 
 
@@ -250,7 +255,9 @@ def test_what_is_read() -> None:
         'Rule(what="j", name="k")\n'
         'call(what="l")\n'
     )
-    assert sorted((kind, text.replace(VALUE, "*")) for _, kind, text in said(tree)) == [
+    assert sorted(
+        (kind, text.replace(VALUE, "*")) for _, kind, text in said([*ast.walk(tree)])
+    ) == [
         ("hint", "c*"),
         ("hint", "g"),
         ("hint", "n"),

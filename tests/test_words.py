@@ -2,7 +2,7 @@
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import click
@@ -11,7 +11,6 @@ import pytest
 from wsgen.cli import COMMANDS, wsgen
 
 ROOT = Path(__file__).parents[1]
-SOURCES = ROOT / "src" / "wsgen"
 
 # A pattern -> what to write instead.
 WORDS = {
@@ -58,27 +57,31 @@ def unwanted(text: str) -> Iterator[tuple[int, str]]:
         yield text.count("\n", 0, found.start()), f"{word!r}: write {instead}"
 
 
-def texts(tree: ast.AST) -> Iterator[ast.Constant]:
-    """The strings that may reach the user: sentences, names of rules, docstrings of commands."""
+def texts(nodes: list[ast.AST]) -> Iterator[ast.Constant]:
+    """What may reach the user of a module: sentences, names of rules, docstrings of commands.
+
+    Args:
+        nodes: Of its syntax tree. `test_sentences.py` reads those of all modules.
+    """
     docstrings = set()
-    for node in ast.walk(tree):
+    for node in nodes:
         if isinstance(node, ast.Expr):
             docstrings.add(node.value)
         elif isinstance(node, ast.FunctionDef) and node.name == "command":
-            yield from strings(node.body[0])
+            yield from strings(ast.walk(node.body[0]))
         elif isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Rule":
-            yield from strings(*(one.value for one in node.keywords if one.arg == "name"))
-    for text in strings(tree):
+            names = (one.value for one in node.keywords if one.arg == "name")
+            yield from strings(below for name in names for below in ast.walk(name))
+    for text in strings(nodes):
         if text not in docstrings and " " in str(text.value):
             yield text
 
 
-def strings(*parts: ast.AST) -> Iterator[ast.Constant]:
-    """Every string constant in an expression, those in f-strings included."""
-    for part in parts:
-        for node in ast.walk(part):
-            if isinstance(node, ast.Constant) and isinstance(node.value, str):
-                yield node
+def strings(nodes: Iterable[ast.AST]) -> Iterator[ast.Constant]:
+    """The string constants, those in f-strings included."""
+    for node in nodes:
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield node
 
 
 def prose(page: str) -> str:
@@ -91,17 +94,6 @@ def prose(page: str) -> str:
 def report(places: list[str]) -> None:
     if places:
         pytest.fail("\n".join(places), pytrace=False)
-
-
-@pytest.mark.slow
-def test_messages() -> None:
-    places = {
-        f"{path.relative_to(ROOT)}:{text.lineno + line}: {word}"
-        for path in SOURCES.rglob("*.py")
-        for text in texts(ast.parse(path.read_text(encoding="utf-8")))
-        for line, word in unwanted(str(text.value))
-    }
-    report(sorted(places))
 
 
 def test_help() -> None:
@@ -155,5 +147,5 @@ def test_which_texts_are_read() -> None:
         'TABLE = {"no": "i j"}\n'
         'def command():\n    """k l"""\n    "no"\n'
     )
-    found = [str(text.value) for text in texts(tree)]
+    found = [str(text.value) for text in texts([*ast.walk(tree)])]
     assert sorted(found) == ["a ", "b c", "d e", "f g", "h", "i j", "k l"]

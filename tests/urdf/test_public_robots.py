@@ -12,7 +12,7 @@ import pytest
 import xacro
 
 from gazebo_oracle import IGN, differences, is_taken, model_of
-from public_robots import CUT, REFUSED, ROBOTS, find_robot
+from public_robots import CUT, MANY_PARTS, REFUSED, ROBOTS, find_robot
 from wsgen.descriptions.urdf.lumping import lump
 from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.diagnostics import Severity
@@ -53,7 +53,11 @@ pytestmark = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("distribution", "path", "name"), ROBOTS, ids=[name for _, _, name in ROBOTS]
+    ("distribution", "path", "name"),
+    [
+        pytest.param(*one, marks=[pytest.mark.thorough] if one[2] in MANY_PARTS else [], id=one[2])
+        for one in ROBOTS
+    ],
 )
 def test_same_as_in_gazebo(distribution: str, path: str, name: str, tmp_path: Path) -> None:
     file = find_robot(distribution, path)
