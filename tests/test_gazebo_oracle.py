@@ -30,6 +30,7 @@ def test_an_exception_is_a_refusal(tmp_path: Path) -> None:
     assert not is_taken(tmp_path / "r.urdf", tmp_path)
 
 
+@pytest.mark.slow
 def test_the_end_of_the_process_is_no_refusal(tmp_path: Path) -> None:
     file = tmp_path / "r.urdf"
     file.write_text(robot(link("a")), encoding="utf-8")

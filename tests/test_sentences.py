@@ -184,11 +184,13 @@ def report(wrong: list[str]) -> None:
         pytest.fail("\n".join(wrong), pytrace=False)
 
 
+@pytest.mark.slow
 def test_all_is_plain_english() -> None:
     wrong = {f"{place}: {one}" for place, _, text in all_said() for one in unplain(text)}
     report(sorted(wrong))
 
 
+@pytest.mark.slow
 def test_it_has_the_words_of_roboticists() -> None:
     wrong = {f"{place}: {word}" for place, _, text in all_said() for _, word in unwanted(text)}
     report(sorted(wrong))
@@ -200,6 +202,7 @@ def test_help_is_plain_english() -> None:
     report([f"{name}: {one}" for name, page in pages for one in unplain(" ".join(page.split()))])
 
 
+@pytest.mark.slow
 def test_sentences_end() -> None:
     kinds = {"message", "hint", "help", "rule"}
     wrong = [
@@ -210,6 +213,7 @@ def test_sentences_end() -> None:
     report(wrong)
 
 
+@pytest.mark.slow
 def test_hints_say_what_to_do() -> None:
     hints = [(place, text) for place, kind, text in all_said() if kind == "hint"]
     assert len(hints) > 500  # that they are found at all

@@ -78,6 +78,7 @@ def rooms(modules: set[str]) -> set[str]:
     }
 
 
+@pytest.mark.slow
 def test_new_loads_what_it_renders_with(tmp_path: Path) -> None:
     modules = loaded(
         tmp_path, "new", "some_robot", "--maintainer-name", "A", "--maintainer-email", "a@b.cd"
@@ -133,11 +134,13 @@ def test_doctor_loads_no_library_but_what_draws_its_table(tmp_path: Path) -> Non
     )
 
 
+@pytest.mark.slow
 def test_build_loads_no_simulator(tmp_path: Path) -> None:
     modules = loaded(tmp_path, "build", "--help")
     assert not modules & HEAVY - of_libraries("click")
 
 
+@pytest.mark.slow
 def test_validate_leaves_engine_and_xacro_to_its_children(tmp_path: Path) -> None:
     """A package without a launch file comes as far as loading all stages."""
     (tmp_path / "src" / "p").mkdir(parents=True)

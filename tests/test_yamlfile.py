@@ -91,6 +91,7 @@ def test_the_last_of_one_key_counts_elsewhere(tmp_path: Path) -> None:
     assert load_parameters(tmp_path / "none.yaml") is None
 
 
+@pytest.mark.slow
 def test_aliases_of_one_key_are_not_merged_without_end() -> None:
     levels = [f"a{i}: &a{i} {{{', '.join([f'k: *a{i - 1}'] * 50)}}}" for i in range(1, 6)]
     text = "\n".join(["a0: &a0 {k: 1}", *levels])  # 50**5 values

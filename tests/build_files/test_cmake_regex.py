@@ -96,6 +96,7 @@ def test_no_pattern_of_a_package_hangs_the_check(tmp_path: Path, text: str) -> N
     assert set(BOTH) <= set(shared(read(tmp_path, text, files)))
 
 
+@pytest.mark.slow
 def test_a_loop_over_patterns_ends(tmp_path: Path) -> None:
     text = (
         f'set(long "{"ab" * 30_000}")\nforeach(one RANGE 3000)\n  if(long MATCHES "x${{one}}")\n'

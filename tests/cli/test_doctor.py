@@ -81,6 +81,7 @@ def test_the_target_of_the_packages_here(
     assert capsys.readouterr().out.startswith("ROS 2 Humble ")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("loaded_once")
 @pytest.mark.parametrize(
     ("takes_apt", "title", "command"),

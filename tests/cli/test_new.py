@@ -36,6 +36,7 @@ def files(folder: Path) -> set[str]:
     return {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
 
 
+@pytest.mark.slow
 def test_quiet_leaves_the_warnings(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert new("gazebo_test", "-q") == 0
     output = capsys.readouterr()

@@ -36,6 +36,7 @@ def test_calls_are_computed_by_one_child_that_stays(executor: LocalExecutor) -> 
     assert first == second != os.getpid()
 
 
+@pytest.mark.slow
 def test_shared_arguments_are_sent_once_to_each_child(executor: LocalExecutor) -> None:
     shared = share({"text": "x" * 1000})
     assert executor.submit(calls.length, shared).result() == 1000

@@ -152,6 +152,7 @@ def test_the_lists_are_those_of_the_code(section: str, *, regenerate: bool) -> N
     assert file.read_text(encoding="utf-8") == wanted
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not CONFORMANCE.is_dir(), reason="the cases are not here")
 def test_every_name_is_tried_somewhere() -> None:
     assert not re.findall(r".*\| - \|", api())

@@ -351,6 +351,7 @@ def test_a_drawing_says_how_far_it_is(driven: Path, monkeypatch: pytest.MonkeyPa
     assert {one.step for one in heard} == {began.step}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("has_log", [True, False])
 def test_a_run_that_ends_before_a_robot_comes(driven: Path, *, has_log: bool) -> None:
     (driven / POSE_LOG_FILE).unlink()

@@ -221,6 +221,7 @@ def test_a_texture_of_collada(tmp_path: Path, chain: str) -> None:
     assert surface(visual).texture_points is not None
 
 
+@pytest.mark.slow
 def test_a_texture_among_those_of_a_model(tmp_path: Path) -> None:
     (tmp_path / "meshes").mkdir()
     (tmp_path / "materials" / "textures").mkdir(parents=True)

@@ -290,6 +290,7 @@ def test_it_gives_up_after_some_deaths(tmp_path: Path) -> None:
     assert "machine is less busy" in (found[0].hint or "")
 
 
+@pytest.mark.slow
 def test_a_reader_that_does_not_start_blames_no_mesh(tmp_path: Path) -> None:
     file = write(tmp_path, "a.stl", mesh_samples.binary_stl())
     _, found = inspect_meshes(

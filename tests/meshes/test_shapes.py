@@ -332,6 +332,7 @@ def test_what_gazebo_makes_of_a_heightmap(tmp_path: Path) -> None:
     assert (moves.code, moves.severity) == ("WLD056", WARNING)
 
 
+@pytest.mark.slow
 def test_a_child_makes_them(tmp_path: Path) -> None:
     new, found = build_shapes(robot(Cone(radius=1, length=1)), file=None, folder=tmp_path)
     assert found == ()

@@ -187,6 +187,7 @@ def test_what_an_included_launch_file_is_given_is_not_missing(tmp_path: Path) ->
     assert only(package, "launch-raises") == [("launch-raises", "error")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("argument", "severity"), [("speed", "info"), ("slow", "warning")])
 def test_what_a_command_may_give_is_not_surely_missing(
     tmp_path: Path, argument: str, severity: str

@@ -42,6 +42,7 @@ def world_of(folder: Path, count: int, shape: str) -> Path:
     return file
 
 
+@pytest.mark.slow
 def test_the_models_of_a_file_share_a_child_process(tmp_path: Path) -> None:
     pytest.importorskip("numpy")
     counting = Counting()
@@ -55,6 +56,7 @@ def test_the_models_of_a_file_share_a_child_process(tmp_path: Path) -> None:
     assert all(model.lumped.links[0].collisions[0].geometry.path for model in prepared)  # type: ignore[union-attr]
 
 
+@pytest.mark.slow
 def test_too_many_models_are_refused_before_anything_is_made_of_them(tmp_path: Path) -> None:
     counting = Counting()
     context = PrepareContext(share_of=lambda _: None, folder=tmp_path, run=counting)

@@ -425,6 +425,7 @@ def test_box_in_its_run(
     assert re.search("In the simulation, the robot|In PyBullet: The robot", found.message)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("old", "new", "code", "severity", "line"),
     [

@@ -217,6 +217,7 @@ def test_the_summary_of_a_validation() -> None:
     assert "- q: spawns no robot" in lines
 
 
+@pytest.mark.slow
 @given(st.text(alphabet="ab `\\*_[]()<>#~$|&!-+.1:@\n", max_size=30))
 def test_a_text_in_a_summary_is_no_markup_but_code(text: str) -> None:
     shown = MarkdownIt("gfm-like", {"linkify": False}).parse(f"- **X** {_text(text)}")

@@ -291,6 +291,7 @@ def test_nothing_is_loaded_from_anywhere() -> None:
     assert "http" not in policy
 
 
+@pytest.mark.slow
 def test_it_says_everything() -> None:
     text = text_of(page_of(EVERYTHING))
     for said in (
@@ -330,6 +331,7 @@ def test_what_passed_and_does_not_stand_is_not_green() -> None:
     assert tones == {"stands after 0.5 s": "good", "did not settle": "mild", "fails": "bad"}
 
 
+@pytest.mark.slow
 def test_an_interrupted_run_says_so() -> None:
     assert "Interrupted. Only what is listed here was checked." in text_of(
         page_of(OUTCOMES["interrupted"])

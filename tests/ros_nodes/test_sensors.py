@@ -340,6 +340,7 @@ def test_a_camera_of_classic() -> None:
     assert image.header.frame_id == info.header.frame_id == "optical"
 
 
+@pytest.mark.slow
 def test_a_camera_without_its_element_is_that_of_sdformat() -> None:
     plugin = '<plugin name="p" filename="libgazebo_ros_camera.so"/>'
     ros = run(mounted(f'<sensor name="eye" type="camera">{plugin}</sensor>'))

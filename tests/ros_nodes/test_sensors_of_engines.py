@@ -88,6 +88,7 @@ def carried(
         simulation.close()
 
 
+@pytest.mark.slow
 def test_a_bumper_feels_what_it_stands_on_and_what_stands_on_it(engine: Any) -> None:
     """As gazebo_ros_pkgs, gazebo_plugins/src/gazebo_ros_bumper.cpp, says it."""
     bumper = (

@@ -246,6 +246,7 @@ def test_the_program_of_a_bridge_ends_without_a_word(tmp_path: Path) -> None:
     assert ros.nodes[0].arguments == ["-r", "a:=b"]
 
 
+@pytest.mark.slow
 def test_the_socket(tmp_path: Path) -> None:
     from threading import Thread  # noqa: PLC0415
 

@@ -164,6 +164,7 @@ def test_the_odometry_of_gazebo_sim_counts_in_steps() -> None:
     assert (once.x, once.y, once.heading) == pytest.approx((x, y, yaw))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("by_actuator", [False, True])
 def test_a_car_that_is_steered_alone(by_actuator: bool) -> None:
     from actuator_msgs.msg import Actuators  # noqa: PLC0415  a fake

@@ -112,6 +112,7 @@ def test_between_two_times_a_transform_is_interpolated(
         assert (expected.inv() * Rotation.from_quat(found.rotation)).magnitude() < 1e-6
 
 
+@pytest.mark.slow
 @given(quaternions, quaternions, st.floats(0, 1))
 def test_slerp_is_of_unit_length_and_symmetric(
     start: Quaternion, end: Quaternion, ratio: float

@@ -54,6 +54,7 @@ def test_times_may_differ_by_the_slop() -> None:
     assert found == [(1.25, 1.2), (1.0, 1.03)]
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(st.integers(0, 2), st.integers(0, 50)), max_size=40))
 def test_what_is_passed_on_is_within_the_slop_and_used_once(order: list[tuple[int, int]]) -> None:
     filters = [SimpleFilter() for _ in range(3)]

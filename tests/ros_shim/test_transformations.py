@@ -58,6 +58,7 @@ def test_yaw_of_a_planar_robot(pitch: float, yaw: float) -> None:
     assert found == pytest.approx((0.2, pitch, yaw), abs=1e-6)
 
 
+@pytest.mark.slow
 @given(quaternions, quaternions)
 def test_products_are_scipys(left: tuple[float, ...], right: tuple[float, ...]) -> None:
     product = tf.quaternion_multiply(left, right)
@@ -67,6 +68,7 @@ def test_products_are_scipys(left: tuple[float, ...], right: tuple[float, ...]) 
     assert one == pytest.approx((0, 0, 0, 1), abs=1e-9)
 
 
+@pytest.mark.slow
 @given(quaternions)
 def test_matrices_and_quaternions_are_inverse(quaternion: tuple[float, ...]) -> None:
     matrix = tf.quaternion_matrix(quaternion)
@@ -78,6 +80,7 @@ def test_matrices_and_quaternions_are_inverse(quaternion: tuple[float, ...]) -> 
     assert close(Rotation.from_quat(quaternion), Rotation.from_quat(found))
 
 
+@pytest.mark.slow
 @given(quaternions, quaternions, st.floats(0, 1))
 def test_slerp_turns_at_constant_speed(
     start: tuple[float, ...], end: tuple[float, ...], ratio: float

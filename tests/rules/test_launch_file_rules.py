@@ -169,6 +169,7 @@ def test_commands_of_ros_1() -> None:
     assert not list(launch_files.ros_1_commands(plan(sound, own)))
 
 
+@pytest.mark.slow
 def test_xacro_and_its_file_are_two_words(tmp_path: Path) -> None:
     space = InstallSpace(tmp_path / "install")
     text = HEAD + dedent("""

@@ -114,6 +114,7 @@ def test_what_moves_rests_on_an_extrusion(new_engine: NewEngine, tmp_path: Path)
     assert state.xyz == pytest.approx((0.2, 0.1, 0.8), abs=MARGIN)
 
 
+@pytest.mark.slow
 def test_an_extrusion_that_moves(new_engine: NewEngine, tmp_path: Path) -> None:
     cross = ((-1, -3), (1, -3), (1, -1), (3, -1), (3, 1), (1, 1), (1, 3), (-1, 3), (-1, 1), (-3, 1))
     shape = Extrusion(outlines=(tuple((x / 10, y / 10) for x, y in cross),), height=0.2)

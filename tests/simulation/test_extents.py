@@ -101,6 +101,7 @@ def test_the_corners_of_a_lattice_span_it(sides: tuple[int, int, int], spanning:
     assert len(cells) - len(inside_hull(in_cells(CUBE, cells))) == spanning
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_what_spans_the_hull_reaches_as_low_however_it_lies(seed: int) -> None:
     shapes = turned(seed)

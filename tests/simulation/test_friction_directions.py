@@ -82,6 +82,7 @@ def drive(robot: Robot, ahead: float, left: float, turn: float, seconds: float) 
         return engine.link_poses("e")["base"]
 
 
+@pytest.mark.slow
 def test_what_has_no_friction_across_a_direction_slides_across_it() -> None:
     """Along it, friction holds: of 2 m/s² the part across is left, 2 / √2."""
     surface = Surface(mu1=1.0, mu2=0.0, fdir1=(1.0, 1.0, 0.0))
@@ -90,6 +91,7 @@ def test_what_has_no_friction_across_a_direction_slides_across_it() -> None:
     assert (x, y) == pytest.approx((across / math.sqrt(2), -across / math.sqrt(2)), rel=0.02)
 
 
+@pytest.mark.slow
 def test_the_direction_is_that_of_the_collision() -> None:
     """Which is turned in its link, and the link in the world."""
     surface = Surface(mu1=1.0, mu2=0.0, fdir1=(1.0, 0.0, 0.0))
@@ -100,6 +102,7 @@ def test_the_direction_is_that_of_the_collision() -> None:
     assert (x, y) == pytest.approx(along, rel=0.02, abs=0.002)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turned", [0.0, TURNED])
 def test_without_a_direction_the_first_is_y_of_the_world(turned: float) -> None:
     """Gravity is along x."""

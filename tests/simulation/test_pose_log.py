@@ -58,6 +58,7 @@ def test_a_writer_that_is_killed_leaves_whole_frames(tmp_path: Path) -> None:
         assert len(read_pose_log(file).frames) == text[:end].count("\n")
 
 
+@pytest.mark.slow
 def test_a_video_has_the_robots_of_the_log(tmp_path: Path) -> None:
     def box(name: str, size: float) -> SpawnedRobot:
         shape = Collision(geometry=Box(size=(size, size, size)))

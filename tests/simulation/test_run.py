@@ -50,6 +50,7 @@ def robot(geometry: Cylinder | Mesh = CYLINDER) -> Robot:
     return Robot(name="r", root="base", links=(link,))
 
 
+@pytest.mark.slow
 def test_a_simulation() -> None:
     outcome = run_simulation(scene(robot()))
     (robot_run,) = outcome.robot_runs
@@ -126,6 +127,7 @@ def test_the_world_has_a_picture_if_it_holds_more_than_the_robots(tmp_path: Path
     assert "picture of the world" in found.message
 
 
+@pytest.mark.slow
 def test_a_robot_that_the_engine_refuses(tmp_path: Path) -> None:
     mesh = tmp_path / "part.glb"
     mesh.write_bytes(b"glTF")
@@ -135,6 +137,7 @@ def test_a_robot_that_the_engine_refuses(tmp_path: Path) -> None:
     assert outcome.diagnostics[0].severity is Severity.ERROR
 
 
+@pytest.mark.slow
 def test_a_mesh_that_crashes_the_engine(tmp_path: Path) -> None:
     """Face indices out of range end PyBullet with SIGSEGV."""
     mesh = tmp_path / "part.obj"
@@ -148,6 +151,7 @@ def test_a_mesh_that_crashes_the_engine(tmp_path: Path) -> None:
     assert "loading the robot `e`" in death.message
 
 
+@pytest.mark.slow
 def test_a_mesh_that_is_nothing_is_warned_about(tmp_path: Path) -> None:
     """PyBullet takes it for a shape without points, and says so."""
     mesh = tmp_path / "part.obj"
@@ -157,6 +161,7 @@ def test_a_mesh_that_is_nothing_is_warned_about(tmp_path: Path) -> None:
     assert "part.obj" in outcome.diagnostics[0].message
 
 
+@pytest.mark.slow
 def test_out_of_time() -> None:
     outcome = run_simulation(scene(robot()), limits=Limits(seconds=0.01, wall_clock=600))
     assert "(PyBullet) used more than 0.01 s of CPU time" in outcome.diagnostics[0].message
@@ -223,6 +228,7 @@ def test_warnings_are_reported_without_their_colors(tmp_path: Path) -> None:
     assert "\x1b" not in warning.message
 
 
+@pytest.mark.slow
 def test_nothing_is_left_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     run_simulation(scene(robot()))

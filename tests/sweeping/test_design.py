@@ -106,6 +106,7 @@ def test_samples_follow_their_distributions(sampler: str) -> None:
         assert sum(one["c"] == choice for one in found) == pytest.approx(4096 / 3, rel=0.07)
 
 
+@pytest.mark.slow
 def test_a_latin_hypercube_has_a_sample_in_each_interval() -> None:
     found = rows(drawn("lhs", 100))
     assert sorted(int((one["u"] + 1) / 4 * 100) for one in found) == [*range(100)]

@@ -430,6 +430,7 @@ def test_a_first_line_that_is_cut_is_written_again(tmp_path: Path, part: int) ->
     assert read_table(file).count == RUNS
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])
 def test_any_cut_of_the_journal(tmp_path: Path, suffix: str) -> None:
     expected = write(tmp_path / f"expected{suffix}", range(4), runs=4).read_bytes()

@@ -220,12 +220,14 @@ def test_options_of_samples_that_are_out_of_bounds(options: dict[str, int]) -> N
 numbers = st.floats(allow_nan=False, allow_infinity=False) | st.integers(-(10**12), 10**12)
 
 
+@pytest.mark.slow
 @given(st.lists(numbers, min_size=1, max_size=5, unique=True))
 def test_any_numbers_are_read_as_they_are_written(given_values: list[float]) -> None:
     text = ",".join(map(write_value, given_values))
     assert values(text) == tuple(given_values)
 
 
+@pytest.mark.slow
 @given(st.lists(st.text(st.characters(exclude_characters='"')), min_size=1, unique=True))
 def test_any_text_is_read_in_quotes(texts: list[str]) -> None:
     assert values(",".join(f'"{text}"' for text in texts)) == tuple(texts)
@@ -241,6 +243,7 @@ def test_any_word_is_read_or_refused_with_a_hint(word: str) -> None:
             assert error.hint  # noqa: PT017
 
 
+@pytest.mark.slow
 @given(
     st.floats(-1e6, 1e6).filter(lambda one: abs(one) > 1e-3),
     st.integers(2, 50),

@@ -117,6 +117,7 @@ def test_a_change_of_the_publisher_reaches_both_launch_files(
         assert paths == (both if with_joints(*CASES[case]) else {"launch/gazebo_model.launch.py"})
 
 
+@pytest.mark.slow
 def test_gazebo_classic_paints_named_visuals(before: dict[str, RenderedTree]) -> None:
     """It does so only if the name begins with that of the link."""
     painted = set()
