@@ -30,8 +30,8 @@ def interpreters() -> Iterator[tuple[str, Path]]:
     """Version and path of one interpreter for each supported version but the running one."""
     listed = [os.environ.get(name, "") for name in ("WSGEN_TEST_PYTHONS", "PATH")]
     folders = [Path(entry) for entry in os.pathsep.join(listed).split(os.pathsep) if entry]
-    for folder in listed[0].split(os.pathsep):
-        wait_for_unpacking(Path(folder).parent.parent)  # of its usr/bin
+    for entry in listed[0].split(os.pathsep):
+        wait_for_unpacking(Path(entry).parent.parent)  # of its usr/bin
     pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv"))
     folders += sorted(pyenv.glob("versions/*/bin"))
     for version in SUPPORTED:
