@@ -133,10 +133,10 @@ class PackageCheck:
                 unique.setdefault(without_call(one), one)
             packages = (self.package, *self.installed.sources.values()) if unique else ()
             declared = {
-                one.name
+                name
                 for package in packages
                 if package.manifest
-                for one in package.manifest.dependencies
+                for name in package.manifest.dependency_names
             }
             here = {package.name for package in packages}
             known = without_absent_packages(unique.values(), declared, here)

@@ -242,15 +242,11 @@ def check_topics(
     """
     manifests = {name: one.manifest for name, one in packages.items() if one.manifest}
     names = {package.name} | {
-        name
-        for name, one in manifests.items()
-        if package.name in {dependency.name for dependency in one.dependencies}
+        name for name, one in manifests.items() if package.name in one.dependency_names
     }
     builds = {name: facts[name] for name in names if name in facts}
     declared = {
-        dependency.name
-        for name in names & manifests.keys()
-        for dependency in manifests[name].dependencies
+        one for name in names & manifests.keys() for one in manifests[name].dependency_names
     }
     if any(word in name for name in declared for word in _BETWEEN) or any(
         target.kind == "executable" for build in builds.values() for target in build.targets

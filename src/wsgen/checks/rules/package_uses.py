@@ -166,7 +166,9 @@ def check_uses(
     users = [
         declared_by(manifests, name, RUN_TAGS, distro)
         for name, one in manifests.items()
-        if name != manifest.name and manifest.name in one.names(RUN_TAGS, distro)
+        if name != manifest.name
+        and manifest.name in one.dependency_names
+        and manifest.name in one.names(RUN_TAGS, distro)
     ]
     for use in _needed(uses, for_run, [one for one in users if one & _SIMULATORS]):
         package = use.package

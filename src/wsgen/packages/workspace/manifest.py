@@ -9,6 +9,7 @@ from __future__ import annotations
 import errno
 import operator
 from dataclasses import field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 from xml.parsers import expat
 
@@ -224,6 +225,11 @@ class Manifest:
     entries: Mapping[tuple[str, ...], tuple[Entry, ...]] = field(
         default_factory=dict, compare=False
     )
+
+    @cached_property
+    def dependency_names(self) -> frozenset[str]:
+        """All that it names; each package of a workspace is asked about each other one."""
+        return frozenset(one.name for one in self.dependencies)
 
     @property
     def test_dependencies(self) -> frozenset[str]:
