@@ -134,18 +134,22 @@ def test_formats(robot: Path, capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize("output_format", ["text", "json", "sarif", "junit", "github"])
 def test_a_file_name_that_is_not_utf_8(robot: Path, output_format: str) -> None:
     robot.rename(os.fsdecode(b"\xff.urdf"))
-    words = ("check", ".", "--format", output_format, "--write-baseline", "baseline.json")
+    words = ("check", ".", "--format", output_format)
     for environment in ({"LC_ALL": "C.UTF-8"}, {"LC_ALL": "C", "PYTHONUTF8": "0"}):
-        for options in (words[:4], words):
+        for options in (
+            words,
+            *[(*words, "--write-baseline", "b.json")] * (output_format == "text"),
+        ):
             ended = subprocess.run(
                 [sys.executable, "-m", "wsgen", *options],
                 capture_output=True,
                 env={**os.environ, **environment},
                 check=False,
             )
-            assert ended.returncode == (1 if options == words[:4] else 0), ended.stderr
+            assert ended.returncode == (1 if options == words else 0), ended.stderr
             ended.stdout.decode()
-    assert run(".", "--baseline", "baseline.json") == 0
+    if output_format == "text":
+        assert run(".", "--baseline", "b.json") == 0
 
 
 def test_statistics(robot: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -28,7 +28,10 @@ class Built(NamedTuple):
         return self.workspace.root / "install"
 
 
-@pytest.fixture(scope="module", params=[(), ("--", "--symlink-install")], ids=["copies", "links"])
+LINKS = pytest.param(("--", "--symlink-install"), id="links", marks=pytest.mark.thorough)
+
+
+@pytest.fixture(scope="module", params=[pytest.param((), id="copies"), LINKS])
 def built(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Built:
     """Built once for both tests: the compiler is what takes the time."""
     workspace = copy_workspace("messages_and_nodes", tmp_path_factory.mktemp("moles"))
