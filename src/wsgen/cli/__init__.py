@@ -42,6 +42,7 @@ COMMANDS = {
     "templates": "List the templates and their variables, or check your own template.",
     "build": "Build the workspace with colcon and explain build errors.",
     "check": "Check packages and files without building or simulating them.",
+    "port": "Port packages from Gazebo Classic to Gazebo Sim, in place.",
     "validate": "Simulate the robots that launch files spawn.",
     "sweep": "Simulate many variants of a robot, and write a table.",
     "launch": "Show what a launch file would start, simulate it (--play) or start it (--run).",

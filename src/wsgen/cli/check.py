@@ -155,7 +155,9 @@ def command(
     if not fix and (diff or (output_format == "text" and not quiet and reported.diagnostics)):
         plan = make_plan(outcome, reported)
     if diff and plan is not None:
-        _print_diff(plan)
+        from wsgen.cli.check_output import print_diff
+
+        print_diff(plan.files)
     elif write_baseline is not None:
         _write_baseline(reported, Path(write_baseline))
         return EXIT_PASSED
@@ -258,21 +260,6 @@ def _fix_all(
         fixed += len(plan.fixed)
         outcome, reported = again()
     return outcome, reported, fixed
-
-
-def _print_diff(plan: FixPlan) -> None:
-    import sys
-
-    from wsgen.checks.fixes.plan import unified_diff
-    from wsgen.cli.words import short_path
-
-    colors = {"+": "green", "-": "red", "@": "cyan"}
-    for fix in plan.files:
-        for line in unified_diff(fix, short_path(fix.file)):
-            color = colors.get(line[:1])
-            shown = click.style(line, fg=color) if color else line
-            # In a pipe it is a patch, with all that a file holds.
-            (echo if sys.stdout.isatty() else click.echo)(shown)
 
 
 def _write_baseline(reported: Reported, file: Path) -> None:

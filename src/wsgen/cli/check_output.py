@@ -9,14 +9,15 @@ from typing import TYPE_CHECKING
 import click
 
 from wsgen.cli.output import COLORS, ORDER
-from wsgen.cli.terminal import draw_table
-from wsgen.cli.words import short_name
+from wsgen.cli.terminal import draw_table, echo
+from wsgen.cli.words import short_name, short_path
 from wsgen.diagnostics import Severity
 from wsgen.model.outcome import summed_up
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
+    from wsgen.checks.fixes.plan import FileFix
     from wsgen.diagnostics import Diagnostic
     from wsgen.pipeline.check import CheckOutcome
     from wsgen.pipeline.reported import Reported
@@ -132,3 +133,16 @@ def render_summary(
 
 def _count(number: int, what: str) -> str:
     return f"{number} {what}{'' if number == 1 else 's'}"
+
+
+def print_diff(files: Iterable[FileFix]) -> None:
+    """Print what would change, as `git diff` does."""
+    from wsgen.checks.fixes.plan import unified_diff
+
+    colors = {"+": "green", "-": "red", "@": "cyan"}
+    for fix in files:
+        for line in unified_diff(fix, short_path(fix.file)):
+            color = colors.get(line[:1])
+            shown = click.style(line, fg=color) if color else line
+            # In a pipe it is a patch, with all that a file holds.
+            (echo if sys.stdout.isatty() else click.echo)(shown)

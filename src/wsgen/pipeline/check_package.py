@@ -146,7 +146,7 @@ class PackageCheck:
 
     def _run(self, folder: Path) -> Iterator[Diagnostic]:
         yield from self.diagnostics_of_settings
-        candidates = () if self.package.diagnostics else self._evaluate()
+        candidates = () if self.package.diagnostics else self.evaluate()
         yield from check_sources(
             self.package,
             build=self.installed.facts.get(self.package.name),
@@ -189,7 +189,7 @@ class PackageCheck:
             self.overlay.share,
         )
 
-    def _evaluate(self) -> list[Candidate]:
+    def evaluate(self) -> list[Candidate]:
         """The launch files of the package, evaluated with their defaults."""
         share = self.overlay.share(self.package.name)
         folder = share or self.package.path

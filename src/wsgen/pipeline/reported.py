@@ -154,27 +154,30 @@ def changed_since(reference: str, folder: Path) -> frozenset[Path]:
             "`--changed-since` needs git, which is not installed.",
             hint="Install git, or omit the option.",
         )
-    top = _run(program, folder, "rev-parse", "--show-toplevel")
+    top = run_git(program, folder, "rev-parse", "--show-toplevel")
     if top is None:
         raise RequestError(
             f"{folder} is not in a git repository: the changed files are not known.",
             hint="Omit `--changed-since`, or run the command in a git repository.",
         )
     root = Path(top.strip("\n"))
-    commit = _run(program, root, "rev-parse", "--verify", "--quiet", f"{reference}^{{commit}}")
+    commit = run_git(program, root, "rev-parse", "--verify", "--quiet", f"{reference}^{{commit}}")
     if reference.startswith("-") or commit is None:
         raise RequestError(
             f"The repository does not have the commit {reference!r}.",
             hint="Give a commit, branch or tag, for example: --changed-since origin/main "
             "(a shallow clone in CI lacks it: fetch-depth: 0).",
         )
-    changed = _run(program, root, "diff", "--name-only", "--no-renames", "-z", commit.strip(), "--")
-    new = _run(program, root, "ls-files", "--others", "--exclude-standard", "-z")
+    changed = run_git(
+        program, root, "diff", "--name-only", "--no-renames", "-z", commit.strip(), "--"
+    )
+    new = run_git(program, root, "ls-files", "--others", "--exclude-standard", "-z")
     names = f"{changed or ''}{new or ''}".split("\0")
     return frozenset(root / name for name in names if name)
 
 
-def _run(program: str, folder: Path, *words: str) -> str | None:
+def run_git(program: str, folder: Path, *words: str) -> str | None:
+    """The output of a git command in a folder; None where it fails."""
     try:
         run = subprocess.run(
             [program, "-C", folder, *words],

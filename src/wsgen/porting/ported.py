@@ -36,6 +36,7 @@ class FilePort(NamedTuple):
     unported: tuple[Unported, ...] = ()
     packages: frozenset[str] = frozenset()  # of ROS, that the file now needs
     systems: frozenset[str] = frozenset()  # of Gazebo Sim, that its world must load (class names)
+    files: frozenset[str] = frozenset()  # that the package must now have, below its folder
 
 
 def joined(ports: Iterable[FilePort]) -> FilePort:
@@ -46,4 +47,5 @@ def joined(ports: Iterable[FilePort]) -> FilePort:
         unported=tuple(found for one in listed for found in one.unported),
         packages=frozenset().union(*(one.packages for one in listed)),
         systems=frozenset().union(*(one.systems for one in listed)),
+        files=frozenset().union(*(one.files for one in listed)),
     )

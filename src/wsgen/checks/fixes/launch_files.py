@@ -62,7 +62,8 @@ class Tree:
         return start + len(text.encode()[:column].decode(errors="ignore"))
 
 
-def _tree(source: SourceText) -> Tree | None:
+def tree_of(source: SourceText) -> Tree | None:
+    """The tree of a launch file in Python; None where it cannot be parsed or has odd line ends."""
     if source.file.suffix != ".py" or re.search(r"\r(?!\n)|\f", source.text):
         return None
     try:
@@ -73,7 +74,8 @@ def _tree(source: SourceText) -> Tree | None:
         return None
 
 
-def _name_of(call: ast.Call) -> str:
+def name_of(call: ast.Call) -> str:
+    """The name of what a call calls, without the module before it."""
     function = call.func
     return function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
 
@@ -109,7 +111,7 @@ def keep_description_as_text(diagnostic: Diagnostic, source: SourceText) -> Sequ
     """Say that the robot description is text, which launch_ros does not parse."""
     if source.file.suffix in {".xml", ".launch"}:
         return _typed_parameter(diagnostic, source)
-    tree = _tree(source)
+    tree = tree_of(source)
     if tree is None:
         return []
     values = [
@@ -117,7 +119,7 @@ def keep_description_as_text(diagnostic: Diagnostic, source: SourceText) -> Sequ
         for node in tree.all(ast.Dict)
         for key, value in zip(node.keys, node.values, strict=True)
         if isinstance(key, ast.Constant) and key.value == DESCRIPTION
-        if not (isinstance(value, ast.Call) and _name_of(value) == AS_TEXT)
+        if not (isinstance(value, ast.Call) and name_of(value) == AS_TEXT)
     ]
     if len(values) != 1 or isinstance(values[0], ast.Constant):
         return []
@@ -154,7 +156,7 @@ def _around(source: SourceText, tag: Tag, line: int | None) -> bool:
 
 def rename_old_keywords(_: Diagnostic, source: SourceText) -> Sequence[Edit]:
     """Write the keywords that Node takes since Galactic, in all nodes of the file."""
-    tree = _tree(source)
+    tree = tree_of(source)
     if tree is None:
         return []
     edits = []
@@ -172,7 +174,7 @@ def rename_old_keywords(_: Diagnostic, source: SourceText) -> Sequence[Edit]:
 
 def fix_keyword(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     """Write the suggested keyword argument."""
-    tree, meant, written = _tree(source), suggested(diagnostic.hint), diagnostic.element
+    tree, meant, written = tree_of(source), suggested(diagnostic.hint), diagnostic.element
     if tree is None or meant is None or not written or not is_surely(written, meant):
         return []
     found = [
@@ -190,7 +192,7 @@ def fix_keyword(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
 
 def add_import(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     """Import what the launch file uses and does not import, or correct its misspelled name."""
-    tree, meant, written = _tree(source), suggested(diagnostic.hint), diagnostic.element
+    tree, meant, written = tree_of(source), suggested(diagnostic.hint), diagnostic.element
     if tree is None or not written:
         return []
     statement = STATEMENT.search(diagnostic.hint or "")
@@ -216,7 +218,7 @@ def fix_text(key: str = "") -> Callable[[Diagnostic, SourceText], Sequence[Edit]
         meant, written = suggested(diagnostic.hint), diagnostic.element
         if meant is None or not written or not is_surely(written, meant):
             return []
-        tree = _tree(source)
+        tree = tree_of(source)
         if tree is None:
             return _fix_attribute(source, key, written, meant)
         texts: Iterable[ast.expr] = tree.all(ast.Constant)
@@ -253,7 +255,7 @@ def _within(tree: Tree, found: Sequence[ast.expr], written: str, meant: str) -> 
 
 def fix_xacro_argument(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     """Write the suggested name of an argument for xacro."""
-    tree, meant, written = _tree(source), suggested(diagnostic.hint), diagnostic.element
+    tree, meant, written = tree_of(source), suggested(diagnostic.hint), diagnostic.element
     if tree is None or meant is None or not written or not is_surely(written, meant):
         return []
     used = re.compile(rf"(?<!\w){re.escape(written)}:=")
@@ -267,13 +269,13 @@ def fix_xacro_argument(diagnostic: Diagnostic, source: SourceText) -> Sequence[E
 
 def add_blank_after_xacro(_: Diagnostic, source: SourceText) -> Sequence[Edit]:
     """Put a blank between `xacro` and the path: Command joins its words without one."""
-    tree = _tree(source)
+    tree = tree_of(source)
     if tree is None:
         return []
     edits = []
     for call in tree.all(ast.Call):
         first = call.args[0] if call.args else None
-        if _name_of(call) != "Command" or not isinstance(first, ast.List):
+        if name_of(call) != "Command" or not isinstance(first, ast.List):
             continue
         words = first.elts
         if len(words) < len(("xacro", "path")) or _begins_with_blank(words[1]):
@@ -292,7 +294,7 @@ def _begins_with_blank(word: ast.expr) -> bool:
 
 def _finds_xacro(call: ast.Call) -> bool:
     inside = (one for one in ast.walk(call) if isinstance(one, ast.Call))
-    return any(_name_of(one) == "FindExecutable" for one in inside)
+    return any(name_of(one) == "FindExecutable" for one in inside)
 
 
 _BETWEEN = re.compile(r"no blank between `([^`]+)` and")
@@ -300,7 +302,7 @@ _BETWEEN = re.compile(r"no blank between `([^`]+)` and")
 
 def add_blank_after_option(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     """Put a blank between an option and the path behind it in a list of words that are joined."""
-    tree, option = _tree(source), _BETWEEN.search(diagnostic.message)
+    tree, option = tree_of(source), _BETWEEN.search(diagnostic.message)
     if tree is None or option is None:
         return []
     found = [
@@ -318,7 +320,7 @@ def add_blank_after_option(diagnostic: Diagnostic, source: SourceText) -> Sequen
 
 def use_time_of_simulator(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     """Set `use_sim_time` of the node on the line."""
-    tree = _tree(source)
+    tree = tree_of(source)
     node = _call_at(tree, diagnostic.line, "Node", "ComposableNode") if tree else None
     if tree is None or node is None or "use_sim_time" in ast.dump(node):
         return []
@@ -359,8 +361,7 @@ def _call_at(tree: Tree, line: int | None, *names: str) -> ast.Call | None:
     found = [
         call
         for call in tree.all(ast.Call)
-        if _name_of(call) in names
-        and call.lineno <= (line or 0) <= (call.end_lineno or call.lineno)
+        if name_of(call) in names and call.lineno <= (line or 0) <= (call.end_lineno or call.lineno)
     ]
     return found[0] if len(found) == 1 else None
 
@@ -370,7 +371,7 @@ _QUOTED_WORDS = re.compile(r"'(-s|lib[\w.]+\.so)'")
 
 def add_factory_plugin(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     """Load the plugin that spawns in the command that starts Gazebo Classic."""
-    tree = _tree(source)
+    tree = tree_of(source)
     call = _call_at(tree, diagnostic.line, "ExecuteProcess") if tree else None
     words = _QUOTED_WORDS.findall(diagnostic.hint or "")
     commands = [one.value for one in call.keywords if one.arg == "cmd"] if call else []
@@ -384,7 +385,7 @@ def add_factory_plugin(diagnostic: Diagnostic, source: SourceText) -> Sequence[E
 
 def fix_world_name(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     """Give the spawner the name of the world that Gazebo loads."""
-    tree, meant = _tree(source), suggested(diagnostic.hint)
+    tree, meant = tree_of(source), suggested(diagnostic.hint)
     if tree is None or meant is None or not diagnostic.element:
         return []
     found = [
@@ -450,7 +451,7 @@ _CHANGED = re.compile(r"change (-z) to '([\d.]+)' in the arguments of ([\w.]+)")
 def raise_spawned(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     """Give the spawner the height at which the robot stands on the ground."""
     hint = diagnostic.hint or ""
-    tree, added, changed = _tree(source), _RAISED.search(hint), _CHANGED.search(hint)
+    tree, added, changed = tree_of(source), _RAISED.search(hint), _CHANGED.search(hint)
     node = _call_at(tree, diagnostic.line, "Node") if tree else None
     given = [one.value for one in node.keywords if one.arg == "arguments"] if node else []
     if tree is None or not given or not isinstance(given[0], ast.List):
@@ -490,13 +491,13 @@ _BRIDGED = re.compile(r"'(/clock@[^']+)'")
 
 def add_clock(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     """Bridge the clock of Gazebo with the only bridge that the launch file starts."""
-    tree, added = _tree(source), _BRIDGED.search(diagnostic.hint or "")
+    tree, added = tree_of(source), _BRIDGED.search(diagnostic.hint or "")
     if tree is None or added is None or CLOCK in source.text:
         return []
     given = [
         keyword.value
         for call in tree.all(ast.Call)
-        if _name_of(call) == "Node" and "'parameter_bridge'" in ast.dump(call)
+        if name_of(call) == "Node" and "'parameter_bridge'" in ast.dump(call)
         for keyword in call.keywords
         if keyword.arg == "arguments"
     ]

@@ -144,7 +144,7 @@ def _fix_file(
         return None, [(found, "the file is not UTF-8, or too large") for found in diagnostics]
     edits: list[Edit] = []
     fixed: list[Diagnostic] = []
-    was_whole = _is_whole(source, source.text)
+    was_whole = is_whole(source, source.text)
     for found in diagnostics:
         own = [*FIXERS[found.name](found, source)]
         if own and set(own) <= set(edits):  # one cause, reported twice
@@ -154,7 +154,7 @@ def _fix_file(
             refused.append((found, "the text does not show what is meant"))
         elif overlap(own, edits):
             refused.append((found, "another fix touches the same place"))
-        elif was_whole and not _is_whole(source, apply(source.text, [*edits, *own])):
+        elif was_whole and not is_whole(source, apply(source.text, [*edits, *own])):
             refused.append((found, "the fix would break the file"))
         elif (circle := dependencies.add(file, own)) is not None:
             refused.append((found, circle))
@@ -174,7 +174,7 @@ def _fix_file(
     return fix, refused
 
 
-def _is_whole(source: SourceText, text: str) -> bool:
+def is_whole(source: SourceText, text: str) -> bool:
     """Whether a text can be parsed, if it is Python or XML."""
     suffix = source.file.suffix
     if suffix == ".py":

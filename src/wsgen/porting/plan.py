@@ -1,0 +1,264 @@
+"""From packages for Gazebo Classic to the files that they have for Gazebo Sim; nothing is written.
+
+Launch files are evaluated first, as `wsgen check` does: the robots that they spawn say which topics
+the bridge needs. Then each file is edited where it names what Gazebo Sim has not.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from typing import TYPE_CHECKING, NamedTuple
+
+from wsgen.checks.fixes.plan import FileFix, is_whole
+from wsgen.checks.fixes.source import apply, overlap, read_source
+from wsgen.isolation.parent import make_scratch
+from wsgen.packages.workspace.layout import BUILD_MARKERS, LAUNCH_FILES
+from wsgen.pipeline.check_package import PackageCheck
+from wsgen.pipeline.installed_as_built import lay_out
+from wsgen.pipeline.parallel import start_children
+from wsgen.porting.build_files import port_cmake, port_setup
+from wsgen.porting.launch_files import Context, port_launch_file
+from wsgen.porting.launch_markup import port_markup
+from wsgen.porting.manifests import port_manifest
+from wsgen.porting.models import bridge_rows, port_model
+from wsgen.porting.ported import FilePort, Unported, joined
+from wsgen.porting.worlds import new_world, port_world
+from wsgen.text.files import list_files, real_path, remembering
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    from wsgen.checks.fixes.source import SourceText
+    from wsgen.model.target import Target
+    from wsgen.packages.workspace.layout import PackageFolder
+    from wsgen.pipeline.check_targets import Targets
+    from wsgen.porting.ported import BridgeRow
+
+
+DEFAULT_WORLD = "worlds/empty.sdf"
+_MARKUP = (".launch", ".launch.xml", ".launch.yaml", ".launch.yml")
+_OF_XML = (".urdf", ".xacro", ".gazebo", ".sdf", ".world", ".xml", ".trans", ".urdf.in")
+_ROBOT, _SDF, _WORLD, _LAUNCH = (
+    re.compile(rf"<{name}\b") for name in ("robot", "sdf", "world", "launch")
+)
+_CODE = (".cpp", ".cc", ".cxx", ".c", ".hpp", ".hh", ".h")
+_OF_CLASSIC = re.compile(
+    r"#include\s*[<\"](?:gazebo/|ignition/math|gazebo_ros/|gazebo_plugins/)"
+    r"|\bgazebo_msgs\b|/spawn_entity\b"
+)
+
+
+class PortPlan(NamedTuple):
+    """What a port changes, and what it leaves to the author."""
+
+    files: tuple[FileFix, ...]
+    created: tuple[tuple[Path, str], ...]  # files with their texts
+    unported: tuple[Unported, ...]  # by file and line
+    packages: tuple[str, ...]
+
+
+class _Port:
+    """The port of one package, as far as it is made."""
+
+    def __init__(self, package: PackageFolder) -> None:
+        self.package = package
+        self.ports: dict[Path, list[FilePort]] = defaultdict(list)
+        self.sources: dict[Path, SourceText] = {}
+
+    def files(self, suffixes: tuple[str, ...]) -> Iterator[SourceText]:
+        for file in list_files(self.package.path, suffixes, markers=BUILD_MARKERS):
+            source = self.source(file)
+            if source is not None:
+                yield source
+
+    def source(self, file: Path) -> SourceText | None:
+        if file not in self.sources:
+            read = read_source(file)
+            if read is None:
+                return None
+            self.sources[file] = read
+        return self.sources[file]
+
+    def add(self, source: SourceText, port: FilePort) -> None:
+        self.ports[source.file].append(port)
+
+    def all(self) -> FilePort:
+        return joined(port for ports in self.ports.values() for port in ports)
+
+
+def plan_port(targets: Targets, target: Target, environment: Mapping[str, str]) -> PortPlan:
+    """Plan the port of packages.
+
+    Raises:
+        NotReadableError: A folder cannot be laid out.
+    """
+    with remembering():
+        rows = _rows(targets, target, environment)
+        ports = [_Port(package) for package in targets.packages]
+        for port in ports:
+            _port_models(port, target)
+        systems = frozenset().union(*(port.all().systems for port in ports))
+        for port in ports:
+            _port_worlds(port, target, systems)
+            _port_launch_files(port, target, rows, systems)
+            _list_code(port)
+        for port in ports:
+            _port_build(port, target)
+    return _collect(ports, target, systems)
+
+
+def _rows(
+    targets: Targets, target: Target, environment: Mapping[str, str]
+) -> dict[str, dict[int, list[BridgeRow]]]:
+    """The topics of the robots that spawners put into the simulator, by real path and line."""
+    found: dict[str, dict[int, list[BridgeRow]]] = defaultdict(lambda: defaultdict(list))
+    with make_scratch(in_memory=True) as scratch, start_children() as run:
+        installed = lay_out(targets, scratch, environment)
+        for package in targets.packages:
+            if package.diagnostics:
+                continue
+            check = PackageCheck(package, installed, None, None, run, scratch)
+            for one in check.evaluate():
+                for spawn in one.started.spawns:
+                    process = spawn.process
+                    if process is None or process.file is None or process.line is None:
+                        continue
+                    here = found[real_path(process.file)][process.line]
+                    rows = bridge_rows(
+                        spawn.description, target, model=spawn.entity, world="default"
+                    )
+                    here += [row for row in rows if row not in here]
+    return found
+
+
+def _is_markup(file: Path) -> bool:
+    return file.name.endswith(_MARKUP)
+
+
+def _port_models(port: _Port, target: Target) -> None:
+    for source in port.files(_OF_XML):
+        if _is_markup(source.file) or source.file.name == "package.xml":
+            continue
+        if _ROBOT.search(source.text) or _SDF.search(source.text):
+            port.add(source, port_model(source, target))
+
+
+def _port_worlds(port: _Port, target: Target, systems: frozenset[str]) -> None:
+    for source in port.files(_OF_XML):
+        if _SDF.search(source.text) and _WORLD.search(source.text):
+            port.add(source, port_world(source, target, systems))
+
+
+def _port_launch_files(
+    port: _Port,
+    target: Target,
+    rows: Mapping[str, Mapping[int, Sequence[BridgeRow]]],
+    systems: frozenset[str],
+) -> None:
+    def context(source: SourceText) -> Context:
+        return Context(
+            rows=rows.get(real_path(source.file), {}),
+            package=port.package.name,
+            default_world=DEFAULT_WORLD if systems else None,
+        )
+
+    for source in port.files((".py",)):
+        if source.file.name != "setup.py":
+            port.add(source, port_launch_file(source, context(source)))
+    for source in port.files((*_MARKUP, *LAUNCH_FILES)):
+        if source.file.suffix != ".py":
+            port.add(source, port_markup(source, target, context(source)))
+
+
+def _list_code(port: _Port) -> None:
+    """List what programs of the package use of Gazebo Classic."""
+    for source in port.files((*_CODE, ".py")):
+        if source.file.name.endswith(LAUNCH_FILES):
+            continue
+        found = _OF_CLASSIC.search(source.text)
+        if found is not None:
+            unported = Unported(
+                source.file,
+                source.line_at(found.start()),
+                f"The program uses Gazebo Classic: `{found[0].strip()}`.",
+                "Write it for Gazebo Sim: docs/port.md says what takes the place of what.",
+            )
+            port.add(source, FilePort(unported=(unported,)))
+
+
+def _port_build(port: _Port, target: Target) -> None:
+    made = port.all()
+    folders = frozenset(name.partition("/")[0] for name in made.files if "/" in name)
+    calls: dict[str, Callable[[SourceText], FilePort]] = {
+        "package.xml": lambda source: port_manifest(source, target, made.packages),
+        "CMakeLists.txt": lambda source: port_cmake(source, target, made.packages, folders),
+        "setup.py": lambda source: port_setup(source, folders),
+    }
+    for name, call in calls.items():
+        file = port.package.path / name
+        source = port.source(file) if file.is_file() else None
+        if source is not None:
+            port.add(source, call(source))
+
+
+def _collect(ports: Sequence[_Port], target: Target, systems: frozenset[str]) -> PortPlan:
+    files, created, unported = [], [], []
+    for port in ports:
+        for file, made in port.ports.items():
+            source = port.sources[file]
+            fix, left = _changed(source, made)
+            files += [fix] if fix is not None else []
+            unported += left
+        for name in sorted(port.all().files):
+            new = port.package.path / name
+            if not new.exists():
+                created.append((new, new_world(new.stem, target, systems)))
+    return PortPlan(
+        files=tuple(sorted(files, key=lambda one: one.file)),
+        created=tuple(created),
+        unported=tuple(sorted(dict.fromkeys(unported))),
+        packages=tuple(port.package.name for port in ports),
+    )
+
+
+def _changed(
+    source: SourceText, ports: Sequence[FilePort]
+) -> tuple[FileFix | None, list[Unported]]:
+    edits, left = [], []
+    for port in ports:
+        left += port.unported
+        for edit in dict.fromkeys(port.edits):
+            if edit in edits:
+                continue
+            if overlap([edit], edits):
+                left.append(
+                    Unported(
+                        source.file,
+                        source.line_at(edit.start),
+                        "Two changes touch this place; one of them is made.",
+                        "Port again: what is left is found then.",
+                    )
+                )
+                continue
+            edits.append(edit)
+    after = apply(source.text, edits)
+    if after == source.text:
+        return None, left
+    if is_whole(source, source.text) and not is_whole(source, after):
+        problem = Unported(
+            source.file,
+            1,
+            "The port would break the file, which stays as it is.",
+            "Please report it with the file.",
+        )
+        return None, [*left, problem]
+    fix = FileFix(
+        file=source.file,
+        before=source.text,
+        after=after,
+        data=source.encoded(after),
+        fixed=(),
+    )
+    return fix, left
