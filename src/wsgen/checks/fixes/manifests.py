@@ -11,7 +11,7 @@ from wsgen.checks.fixes.xml_source import read_tags
 from wsgen.text.suggestions import suggested
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from wsgen.checks.fixes.source import SourceText
     from wsgen.checks.fixes.xml_source import Tag
@@ -30,7 +30,7 @@ VERSION = re.compile(r"\d+(?:\.\d+)?")
 FULL_VERSION = 3  # numbers
 
 
-def _top(source: SourceText) -> tuple[Tag | None, list[Tag]]:
+def top_of(source: SourceText) -> tuple[Tag | None, list[Tag]]:
     """The root, and the elements in it."""
     tags = read_tags(source.text)
     root = tags[0] if tags and tags[0].name == "package" else None
@@ -39,13 +39,26 @@ def _top(source: SourceText) -> tuple[Tag | None, list[Tag]]:
 
 def add_dependencies(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     """Add to package.xml the dependencies that the hint writes out."""
-    root, top = _top(source)
+    _, top = top_of(source)
+    declared = {(tag.name, text_of(source, tag)) for tag in top if tag.name in ORDER and tag.end}
+    return declare(
+        source,
+        [
+            (tag, name)
+            for tag, name in DEPENDENCY.findall(diagnostic.hint or "")
+            if not {(tag, name), ("depend", name)} & declared
+        ],
+    )
+
+
+def declare(source: SourceText, dependencies: Iterable[tuple[str, str]]) -> list[Edit]:
+    """Add dependencies, each a tag with a name, behind those of their kind."""
+    root, top = top_of(source)
     if root is None or root.end is None:
         return []
-    declared = {(tag.name, _text(source, tag)) for tag in top if tag.name in ORDER and tag.end}
     edits = []
-    for tag, name in dict.fromkeys(DEPENDENCY.findall(diagnostic.hint or "")):
-        if tag not in ORDER or {(tag, name), ("depend", name)} & declared:
+    for tag, name in dict.fromkeys(dependencies):
+        if tag not in ORDER:
             continue
         place, indent = _place_for(source, tag, root, top)
         edits.append(
@@ -74,13 +87,14 @@ def _place_for(source: SourceText, name: str, root: Tag, top: Sequence[Tag]) -> 
     return (rest.end() if rest else place), source.indent_at(last.start.start)
 
 
-def _text(source: SourceText, tag: Tag) -> str:
+def text_of(source: SourceText, tag: Tag) -> str:
+    """What is between the tags of an element."""
     return source.text[tag.start.end : tag.end.start].strip() if tag.end else ""
 
 
 def remove_dependency(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     """Remove the element on the line, which declares what another one declares too."""
-    _, top = _top(source)
+    _, top = top_of(source)
     on_line = [
         tag
         for tag in top
@@ -96,7 +110,7 @@ def write_dependency(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edi
     """Declare the dependency on the line with the tag that the hint writes out, or with it too."""
     if (diagnostic.hint or "").startswith("Add"):
         return add_dependencies(diagnostic, source)
-    _, top = _top(source)
+    _, top = top_of(source)
     meant = DEPENDENCY.search(diagnostic.hint or "")
     on_line = [
         tag
@@ -106,7 +120,7 @@ def write_dependency(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edi
     if meant is None or len(on_line) != 1 or on_line[0].end is None:
         return []
     tag, end = on_line[0], on_line[0].end
-    written = _text(source, tag)
+    written = text_of(source, tag)
     if tag.name == meant[1] and written and len(DEPENDENCY.findall(diagnostic.hint or "")) == 1:
         place = source.text.index(written, tag.start.end)
         return [Edit(start=place, end=place + len(written), text=meant[2])]
@@ -118,7 +132,7 @@ def write_dependency(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edi
 
 def rename_dependency(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     """Write the suggested name of a dependency."""
-    _, top = _top(source)
+    _, top = top_of(source)
     meant = suggested(diagnostic.hint)
     on_line = [
         tag
@@ -130,7 +144,7 @@ def rename_dependency(diagnostic: Diagnostic, source: SourceText) -> Sequence[Ed
     ]
     if len(on_line) != 1 or meant is None or on_line[0].end is None:
         return []
-    written = _text(source, on_line[0])
+    written = text_of(source, on_line[0])
     if not is_surely(written, meant) or written == meant:
         return []
     content = on_line[0].content()
@@ -147,7 +161,7 @@ def remove_build_type_as_dependency(diagnostic: Diagnostic, source: SourceText) 
 
 def write_format_3(_: Diagnostic, source: SourceText) -> Sequence[Edit]:
     """Take format 1, that of ROS 1, to format 3."""
-    root, top = _top(source)
+    root, top = top_of(source)
     if root is None:
         return []
     written = root.attributes.get("format")
@@ -170,7 +184,7 @@ _BUILD_TYPE = re.compile(r"<build_type>(\w+)</build_type>")
 
 def add_name(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     """Name the package as the hint writes it out."""
-    root, top = _top(source)
+    root, top = top_of(source)
     name = _NAME.search(diagnostic.hint or "")
     if root is None or name is None or any(tag.name == "name" for tag in top):
         return []
@@ -197,10 +211,16 @@ def add_build_type(_: Diagnostic, source: SourceText) -> Sequence[Edit]:
         for kind, file in (("ament_cmake", "CMakeLists.txt"), ("ament_python", "setup.py"))
         if (folder / file).is_file()
     ]
-    root, top = _top(source)
-    if not kinds or root is None or root.end is None or "<build_type" in _uncommented(source):
+    if not kinds or "<build_type" in _uncommented(source):
         return []
-    written = f"<build_type>{kinds[0]}</build_type>"
+    return add_export(source, f"<build_type>{kinds[0]}</build_type>")
+
+
+def add_export(source: SourceText, written: str) -> list[Edit]:
+    """Add an element to `<export>`, and that too where it is missing."""
+    root, top = top_of(source)
+    if root is None or root.end is None:
+        return []
     newline = source.newline
     export = next((tag for tag in top if tag.name == "export"), None)
     if export is None:
@@ -226,9 +246,9 @@ def _uncommented(source: SourceText) -> str:
 
 def fix_version(_: Diagnostic, source: SourceText) -> Sequence[Edit]:
     """Give the version three numbers."""
-    _root, top = _top(source)
+    _root, top = top_of(source)
     versions = [tag for tag in top if tag.name == "version"]
-    text = _text(source, versions[0]) if len(versions) == 1 else ""
+    text = text_of(source, versions[0]) if len(versions) == 1 else ""
     if not VERSION.fullmatch(text):
         return []
     numbers = [*text.split("."), "0", "0"][:FULL_VERSION]
