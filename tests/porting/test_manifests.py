@@ -75,15 +75,13 @@ def ported(
             id="catkin_pkg refuses a depend beside an exec_depend",
         ),
         pytest.param(
-            "  <exec_depend>gazebo_ros</exec_depend>\n"
-            "  <exec_depend>ros_gz_sim</exec_depend>\n",
+            "  <exec_depend>gazebo_ros</exec_depend>\n  <exec_depend>ros_gz_sim</exec_depend>\n",
             (),
             "  <exec_depend>ros_gz_sim</exec_depend>\n",
             id="a package for both simulators",
         ),
         pytest.param(
-            "  <build_depend>gazebo_ros</build_depend>\n"
-            "  <exec_depend>gazebo_ros</exec_depend>\n",
+            "  <build_depend>gazebo_ros</build_depend>\n  <exec_depend>gazebo_ros</exec_depend>\n",
             ("ros_gz_sim", "ros_gz_bridge"),
             "  <build_depend>ros_gz_sim</build_depend>\n"
             "  <exec_depend>ros_gz_sim</exec_depend>\n"
@@ -94,16 +92,15 @@ def ported(
             "  <exec_depend>gazebo_ros_pkgs</exec_depend>\n"
             "  <exec_depend>gazebo_ros2_control</exec_depend>\n",
             ("ros_gz_sim", "ros_gz_bridge", "r"),
-            "  <exec_depend>ros_gz</exec_depend>\n"
-            "  <exec_depend>gz_ros2_control</exec_depend>\n",
+            "  <exec_depend>ros_gz</exec_depend>\n  <exec_depend>gz_ros2_control</exec_depend>\n",
             id="ros_gz brings them, and the package itself is there",
         ),
         pytest.param(
-            "  <exec_depend condition=\"$ROS_DISTRO == humble\">gazebo_ros</exec_depend>\n"
-            "  <exec_depend condition=\"$ROS_DISTRO != humble\">ros_gz_sim</exec_depend>\n",
+            '  <exec_depend condition="$ROS_DISTRO == humble">gazebo_ros</exec_depend>\n'
+            '  <exec_depend condition="$ROS_DISTRO != humble">ros_gz_sim</exec_depend>\n',
             ("ros_gz_sim",),
-            "  <exec_depend condition=\"$ROS_DISTRO == humble\">gazebo_ros</exec_depend>\n"
-            "  <exec_depend condition=\"$ROS_DISTRO != humble\">ros_gz_sim</exec_depend>\n",
+            '  <exec_depend condition="$ROS_DISTRO == humble">gazebo_ros</exec_depend>\n'
+            '  <exec_depend condition="$ROS_DISTRO != humble">ros_gz_sim</exec_depend>\n',
             id="what is for another distribution stays",
         ),
         pytest.param(
@@ -139,22 +136,24 @@ def test_what_the_target_lacks_is_listed() -> None:
     )
 
 
+LISTED = (
+    "5: The messages of `gazebo_msgs` are for services of Gazebo Classic, which spawn.py calls."
+)
+
+
 def test_messages_that_code_uses(tmp_path: Path) -> None:
     (tmp_path / "spawn.py").write_text("from gazebo_msgs.srv import SpawnEntity\n")
     text = f"{HEAD}  <exec_depend>gazebo_msgs</exec_depend>\n{TAIL}"
     assert ported(text, file=tmp_path / "package.xml") == (
         text,
-        [
-            "5: The messages of `gazebo_msgs` are for services of Gazebo Classic, which spawn.py "
-            "calls."
-        ],
+        [LISTED],
     )
 
 
 @pytest.mark.parametrize(
     ("exported", "after"),
     [
-        (
+        pytest.param(
             "",
             '    <gazebo_ros gazebo_model_path="${prefix}/.."/>\n',
         ),
@@ -162,10 +161,11 @@ def test_messages_that_code_uses(tmp_path: Path) -> None:
             '    <gazebo_ros plugin_path="${prefix}/lib" gazebo_model_path="${prefix}/../"/>\n',
             '    <gazebo_ros plugin_path="${prefix}/lib" gazebo_model_path="${prefix}/../"/>\n',
         ),
-        (
+        pytest.param(
             '    <gazebo_ros gazebo_model_path="${prefix}/models"/>\n',
             '    <gazebo_ros gazebo_model_path="${prefix}/.."/>\n'
             '    <gazebo_ros gazebo_model_path="${prefix}/models"/>\n',
+            id="another folder",
         ),
     ],
 )

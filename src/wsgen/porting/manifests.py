@@ -96,7 +96,8 @@ def port_manifest(
         _Declared(tag, name, _successor(name, target, workspace, source.file.parent))
         for tag in top
         if tag.name.endswith("depend") and tag.end is not None and (name := text_of(source, tag))
-        if "condition" not in tag.attributes or holds(tag.attributes["condition"].text, target.distro)
+        if "condition" not in tag.attributes
+        or holds(tag.attributes["condition"].text, target.distro)
     ]
     edits = list(_renamed(source, declared))
     kept = {one.becomes for one in declared if one.tag.name in RUN_TAGS}
@@ -198,4 +199,3 @@ def _unported(
                 if instead
                 else "Clone it into the workspace, or replace it.",
             )
-

@@ -328,6 +328,11 @@ def install_folder(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]
     named = _FOLDER.search(diagnostic.message)
     if named is None or source.file.name != "CMakeLists.txt":
         return []
+    return install_beside(source, named[1])
+
+
+def install_beside(source: SourceText, folder: str) -> list[Edit]:
+    """Install a folder of the package with those that the file installs already, or at its end."""
     for command in read_commands(source):
         words = _words(command)
         if command.name != "install" or words[:1] != ("DIRECTORY",) or OPTIONS & {*words}:
@@ -339,14 +344,14 @@ def install_folder(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]
         if len(plain) != place - 1 or not plain or not PLACE.fullmatch(words[-1]):
             continue
         if any(
-            is_surely(word, named[1]) and not (source.file.parent / word).exists() for word in plain
+            is_surely(word, folder) and not (source.file.parent / word).exists() for word in plain
         ):
             return []  # the folder is meant by a misspelled name, which has a fix of its own
         last = command.arguments[place - 1]
         between = source.text[command.arguments[place - 2].end : last.start]
         gap = between if between.strip() == "" else " "
-        return [Edit(start=last.end, end=last.end, text=f"{gap}{named[1]}")]
-    text = f"install(DIRECTORY {named[1]} DESTINATION share/${{PROJECT_NAME}})"
+        return [Edit(start=last.end, end=last.end, text=f"{gap}{folder}")]
+    text = f"install(DIRECTORY {folder} DESTINATION share/${{PROJECT_NAME}})"
     return _before_the_end(source, text)
 
 
@@ -421,6 +426,11 @@ def add_data_file(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     named = _PACKAGE_NAME.search(source.text)
     if named is not None and not re.search(rf"[/']{re.escape(named[1])}'", added[1]):
         return []  # the name is to be corrected, not what is installed under it
+    return add_to_data_files(source, added[1])
+
+
+def add_to_data_files(source: SourceText, written: str) -> list[Edit]:
+    """Add an entry to `data_files` of setup.py, where that is a list."""
     found = list(re.finditer(r"\bdata_files\s*=\s*\[", source.text))
     if len(found) != 1:
         return []
@@ -430,4 +440,4 @@ def add_data_file(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     end = "," if rest else ", "
     if source.text[place:].lstrip().startswith("]"):
         gap, end = "", ""
-    return [Edit(start=place, end=place, text=f"{gap}{added[1]}{end}")]
+    return [Edit(start=place, end=place, text=f"{gap}{written}{end}")]

@@ -6,7 +6,7 @@ import re
 from typing import TYPE_CHECKING
 
 from wsgen.checks.fixes.meant import is_surely
-from wsgen.checks.fixes.source import Edit
+from wsgen.checks.fixes.source import Edit, join_additions
 from wsgen.checks.fixes.xml_source import read_tags
 from wsgen.text.suggestions import suggested
 
@@ -64,15 +64,7 @@ def declare(source: SourceText, dependencies: Iterable[tuple[str, str]]) -> list
         edits.append(
             Edit(start=place, end=place, text=f"{source.newline}{indent}<{tag}>{name}</{tag}>")
         )
-    return _joined(edits)
-
-
-def _joined(edits: Sequence[Edit]) -> list[Edit]:
-    """Of edits that add at one place, one."""
-    texts: dict[int, str] = {}
-    for edit in edits:
-        texts[edit.start] = texts.get(edit.start, "") + edit.text
-    return [Edit(start=place, end=place, text=text) for place, text in texts.items()]
+    return join_additions(edits)
 
 
 def _place_for(source: SourceText, name: str, root: Tag, top: Sequence[Tag]) -> tuple[int, str]:

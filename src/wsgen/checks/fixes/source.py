@@ -97,6 +97,14 @@ def overlap(edits: Iterable[Edit], others: Iterable[Edit]) -> bool:
     )
 
 
+def join_additions(edits: Iterable[Edit]) -> list[Edit]:
+    """Of edits that only add, those at one place as one."""
+    texts: dict[int, str] = {}
+    for edit in edits:
+        texts[edit.start] = texts.get(edit.start, "") + edit.text
+    return [Edit(start=place, end=place, text=text) for place, text in texts.items()]
+
+
 def apply(text: str, edits: Iterable[Edit]) -> str:
     """The text with all edits, which do not overlap."""
     parts, place = list[str](), 0

@@ -1,0 +1,307 @@
+"""Port CMakeLists.txt, setup.py and the hooks that set variables of Gazebo."""
+
+from __future__ import annotations
+
+import ast
+import re
+from typing import TYPE_CHECKING
+
+from wsgen.checks.fixes.build_files import add_to_data_files, install_beside
+from wsgen.checks.fixes.cmake_source import read_commands
+from wsgen.checks.fixes.source import Edit, join_additions
+from wsgen.porting.manifests import MESSAGES, SUCCESSORS, code_that_names
+from wsgen.porting.ported import FilePort, Unported
+from wsgen.text.files import read_regular
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterator, Sequence
+    from pathlib import Path
+
+    from wsgen.checks.fixes.cmake_source import Argument, Command
+    from wsgen.checks.fixes.source import SourceText
+
+
+# Package that CMake finds -> what is found in its place; empty: only compiling needs it.
+_FOUND = {
+    "gazebo": "",
+    "gazebo_dev": "",
+    MESSAGES: "",
+    **{
+        name: SUCCESSORS[name]
+        for name in ("gazebo_ros", "gazebo_ros_pkgs", "gazebo_plugins", "gazebo_ros2_control")
+    },
+}
+_LISTS = ("ament_target_dependencies", "ament_export_dependencies", "set", "list", "foreach")
+_OF_TARGETS = ("ament_target_dependencies", "target_link_libraries")
+_TARGETS = ("add_library", "add_executable", "ament_auto_add_library", "ament_auto_add_executable")
+_SCOPES = ("PUBLIC", "PRIVATE", "INTERFACE", "SYSTEM", "BEFORE", "AFTER")
+_HEADER = rb"#\s*include\s*[<\"]gazebo(?:_\w+)?/"
+_VARIABLE = r"\$\{(?:GAZEBO|gazebo\w*)_[A-Z_]+\}"
+_NAMES = re.compile(rf"{'|'.join(_FOUND)}|{_VARIABLE}|GazeboPlugin")
+# Command -> how many arguments it has when it does nothing.
+_EMPTY = {
+    **dict.fromkeys(("include_directories", "link_directories", "link_libraries"), 0),
+    **dict.fromkeys(("add_definitions", "add_compile_options", "ament_export_dependencies"), 0),
+    **dict.fromkeys(("target_link_libraries", "ament_target_dependencies", "set"), 1),
+    **dict.fromkeys(("target_include_directories", "target_compile_options"), 1),
+    "list": 2,
+}
+_SOURCE_LIMIT = 2**20  # bytes
+# Variable of Gazebo Classic -> that of Gazebo Sim.
+VARIABLES = {
+    "GAZEBO_MODEL_PATH": "GZ_SIM_RESOURCE_PATH",
+    "GAZEBO_RESOURCE_PATH": "GZ_SIM_RESOURCE_PATH",
+    "GAZEBO_PLUGIN_PATH": "GZ_SIM_SYSTEM_PLUGIN_PATH",
+}
+
+
+def port_cmake(source: SourceText, folders: Collection[str] = ()) -> FilePort:
+    """Find what the target has, and install folders that other parts of the port create.
+
+    A target that is compiled against Gazebo Classic stays, with all that it needs.
+    """
+    commands = read_commands(source)
+    compiled = list(_compiled(source, commands))
+    edits = [] if compiled else list(_without_classic(source, commands))
+    added = [one for one in sorted(folders) if not _is_installed(commands, one)]
+    edits += join_additions(
+        edit for folder in added for edit in _installing(source, commands, folder)
+    )
+    unported = [_unported_target(source, one) for one in compiled]
+    if not compiled:
+        unported += _conditions(source, commands)
+    return FilePort(edits=tuple(edits), unported=tuple(unported))
+
+
+def _unported_target(source: SourceText, command: Command) -> Unported:
+    name = command.arguments[0].text
+    return Unported(
+        source.file,
+        source.line_at(command.start),
+        f"The target `{name}` is compiled against Gazebo Classic: Gazebo Sim cannot load it, and "
+        "the target distribution cannot build it.",
+        f"Port its source to a system of gz-sim, or remove `{name}` and the packages that "
+        "CMakeLists.txt finds for it.",
+    )
+
+
+def _compiled(source: SourceText, commands: Sequence[Command]) -> Iterator[Command]:
+    """The targets whose sources include headers of Gazebo Classic, or whose libraries are its."""
+    linked = {
+        command.arguments[0].text
+        for command in commands
+        if command.name in _OF_TARGETS
+        and any(_NAMES.fullmatch(one.text) for one in command.arguments[1:])
+    }
+    for command in commands:
+        if command.name not in _TARGETS or not command.arguments:
+            continue
+        written = [one.text for one in command.arguments[1:]]
+        files = [source.file.parent / one for one in written if "." in one and "$" not in one]
+        includes = [_includes_classic(file) for file in files]
+        is_known = None not in includes and includes and not any("$" in one for one in written)
+        if any(includes) or (command.arguments[0].text in linked and not is_known):
+            yield command
+
+
+def _includes_classic(file: Path) -> bool | None:
+    """Whether a file includes headers of Gazebo Classic; None where it cannot be read."""
+    try:
+        data = read_regular(file, _SOURCE_LIMIT)
+    except (OSError, ValueError):
+        return None
+    return re.search(_HEADER, data) is not None
+
+
+def _tested(commands: Sequence[Command]) -> Iterator[tuple[Command, Argument]]:
+    """Conditions on whether Gazebo Classic itself is there."""
+    for command in commands:
+        if command.name in {"if", "elseif", "while"}:
+            for one in command.arguments:
+                if re.fullmatch(r"gazebo(?:_dev|_msgs)?_FOUND", one.text):
+                    yield command, one
+
+
+def _conditions(source: SourceText, commands: Sequence[Command]) -> Iterator[Unported]:
+    for command, one in _tested(commands):
+        yield Unported(
+            source.file,
+            source.line_at(command.start),
+            f"CMakeLists.txt depends on `{one.text}`, which is false without Gazebo Classic.",
+            "Remove the condition, and find_package() of what it is about.",
+        )
+
+
+def _without_classic(source: SourceText, commands: Sequence[Command]) -> Iterator[Edit]:
+    kept = {one.text.removesuffix("_FOUND") for _, one in _tested(commands)}
+    if code_that_names(source.file.parent, MESSAGES):
+        kept.add(MESSAGES)
+    becomes = {name: new for name, new in _FOUND.items() if name not in kept}
+    found = {
+        command.arguments[0].text
+        for command in commands
+        if command.name == "find_package" and command.arguments
+    }
+    for command in commands:
+        words = command.arguments
+        if command.name == "find_package" and words and words[0].text in becomes:
+            new = becomes[words[0].text]
+            if not new or new in found:
+                yield _removed(source, command)
+            else:
+                found.add(new)
+                yield Edit(start=words[0].start, end=words[0].end, text=new)
+        else:
+            yield from _in_command(source, command, becomes)
+
+
+def _in_command(source: SourceText, command: Command, becomes: dict[str, str]) -> Iterator[Edit]:
+    """Rename what a command lists, and take out variables that stay empty."""
+    gone: list[Argument] = []
+    edits: list[Edit] = []
+    listed = {one.text for one in command.arguments}
+    for place, one in enumerate(command.arguments):
+        renamed = re.sub(
+            r"\b(gazebo_\w+)_FOUND\b",
+            lambda match: f"{becomes.get(match[1]) or match[1]}_FOUND",
+            one.text,
+        )
+        stripped = re.sub(rf"[ ]?{_VARIABLE}", "", one.text)
+        is_listed = place > 0 or command.name == "ament_export_dependencies"
+        if is_listed and command.name in _LISTS and one.text in {*becomes} - {"gazebo"}:
+            new = becomes[one.text]
+            if new and new not in listed:
+                listed.add(new)
+                edits.append(Edit(start=one.start, end=one.end, text=new))
+            else:
+                gone.append(one)
+        elif command.name in {"if", "elseif"} and renamed != one.text:
+            edits.append(Edit(start=one.start, end=one.end, text=renamed))
+        elif stripped != one.text and not stripped.strip():
+            gone.append(one)
+        elif stripped != one.text and command.name in _EMPTY:
+            if command.name == "set" and stripped == f"${{{command.arguments[0].text}}}":
+                gone.append(one)
+            else:
+                written = source.text[one.start : one.end]
+                edits.append(
+                    Edit(start=one.start, end=one.end, text=written.replace(one.text, stripped))
+                )
+    left = [one for one in command.arguments if one not in gone and one.text not in _SCOPES]
+    if gone and len(left) <= _EMPTY.get(command.name, -1):
+        yield _removed(source, command)
+        return
+    yield from edits
+    for one in gone:
+        yield _without_argument(source, one)
+
+
+def _removed(source: SourceText, command: Command) -> Edit:
+    start, end = source.whole_lines(command.start, command.end)
+    return Edit(start=start, end=end, text="")
+
+
+def _without_argument(source: SourceText, one: Argument) -> Edit:
+    start, end = source.whole_lines(one.start, one.end)
+    if (start, end) == (one.start, one.end):
+        first = source.start_of(source.line_at(start))
+        before = source.text[first:start]
+        if before.strip():
+            start = first + len(before.rstrip())
+    return Edit(start=start, end=end, text="")
+
+
+def _is_installed(commands: Sequence[Command], folder: str) -> bool:
+    """Whether a command installs a folder, or the whole package."""
+    for command in commands:
+        words = [one.text for one in command.arguments]
+        if command.name == "ament_auto_package" and folder in words:
+            return True
+        if command.name == "install" and words[:1] == ["DIRECTORY"]:
+            end = words.index("DESTINATION") if "DESTINATION" in words else len(words)
+            paths = {re.sub(r"^(?:\$\{\w+\}/|\./)", "", one).rstrip("/") for one in words[1:end]}
+            if paths & {folder, folder.partition("/")[0], ".", ""}:
+                return True
+    return False
+
+
+def _installing(source: SourceText, commands: Sequence[Command], folder: str) -> list[Edit]:
+    for command in commands:
+        words = command.arguments
+        if command.name == "ament_auto_package" and any(
+            one.text == "INSTALL_TO_SHARE" for one in words
+        ):
+            last = words[-1]
+            before = source.text[words[-2].end : last.start]
+            return [Edit(start=last.end, end=last.end, text=f"{before}{folder}")]
+    return install_beside(source, folder)
+
+
+def port_setup(source: SourceText, folders: Collection[str]) -> FilePort:
+    """Install folders that other parts of the port create."""
+    try:
+        tree = ast.parse(source.text)
+    except (SyntaxError, ValueError):
+        return FilePort()
+    words = [
+        node.value
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    ]
+    imports_glob = any(
+        isinstance(node, ast.ImportFrom)
+        and node.module == "glob"
+        and any(one.name == "glob" and one.asname is None for one in node.names)
+        for node in tree.body
+    )
+    imports_module = any(
+        isinstance(node, ast.Import) and any(one.name == "glob" for one in node.names)
+        for node in tree.body
+    )
+    edits: list[Edit] = []
+    for folder in sorted(folders):
+        if any(re.match(rf"{re.escape(folder)}(?:/|\Z)", one) for one in words):
+            continue
+        call = "glob.glob" if imports_module and not imports_glob else "glob"
+        name = _package_name(tree)
+        place = f"'share/{name}/{folder}'" if name else f"'share/' + package_name + '/{folder}'"
+        edits += add_to_data_files(source, f"({place}, {call}('{folder}/*'))")
+    if edits and not (imports_glob or imports_module):
+        edits.append(_import_of_glob(source, tree))
+    return FilePort(edits=tuple(join_additions(edits)))
+
+
+def _package_name(tree: ast.Module) -> str | None:
+    """The name that setup() has as a text; None where `package_name` has it, as is usual."""
+    if any(
+        isinstance(node, ast.Assign)
+        and any(isinstance(one, ast.Name) and one.id == "package_name" for one in node.targets)
+        for node in tree.body
+    ):
+        return None
+    for node in ast.walk(tree):
+        if isinstance(node, ast.keyword) and node.arg == "name":
+            return str(node.value.value) if isinstance(node.value, ast.Constant) else None
+    return None
+
+
+def _import_of_glob(source: SourceText, tree: ast.Module) -> Edit:
+    """Import it in front of the first import: that is where isort puts it, but for `os`."""
+    first = next((one for one in tree.body if isinstance(one, ast.Import | ast.ImportFrom)), None)
+    place = source.start_of(first.lineno if first else 1)
+    return Edit(start=place, end=place, text=f"from glob import glob{source.newline}")
+
+
+def port_hook(source: SourceText) -> FilePort:
+    """Set the variables of Gazebo Sim in a hook of the environment, each with a value once."""
+    edits: list[Edit] = []
+    seen: set[str] = set()
+    for found in re.finditer(r"[^\n]*(?:\n|\Z)", source.text):
+        line = re.sub(rf"\b(?:{'|'.join(VARIABLES)})\b", lambda name: VARIABLES[name[0]], found[0])
+        is_repeated = bool(line.strip()) and "GZ_SIM" in line and line.strip() in seen
+        seen.add(line.strip())
+        if is_repeated and line != found[0]:
+            line = ""
+        if line != found[0]:
+            edits.append(Edit(start=found.start(), end=found.end(), text=line))
+    return FilePort(edits=tuple(edits))

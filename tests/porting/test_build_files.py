@@ -1,0 +1,182 @@
+"""What becomes of CMakeLists.txt, setup.py and hooks, to the letter."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from wsgen.checks.fixes.source import SourceText, apply
+from wsgen.porting.build_files import port_cmake, port_hook, port_setup
+
+HEAD = """cmake_minimum_required(VERSION 3.8)
+project(r)
+find_package(ament_cmake REQUIRED)
+"""
+
+
+def ported(
+    text: str, folders: tuple[str, ...] = (), file: Path = Path("/nowhere/CMakeLists.txt")
+) -> tuple[str, list[str]]:
+    """The text afterwards, which a second port leaves as it is, and what is listed."""
+    port = port_setup if file.suffix == ".py" else port_cmake
+    found = port(SourceText(file, text), folders)
+    after = apply(text, found.edits)
+    again = port(SourceText(file, after), folders)
+    assert apply(after, again.edits) == after
+    assert len(again.unported) == len(found.unported)
+    return after, [f"{one.line}: {one.what}" for one in found.unported]
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        pytest.param(
+            "find_package(gazebo_ros REQUIRED)  # the simulator\n"
+            "find_package(gazebo_plugins REQUIRED)\n"
+            "find_package(gazebo REQUIRED)\n"
+            "find_package(gazebo_msgs REQUIRED)\n",
+            "find_package(ros_gz_sim REQUIRED)  # the simulator\n",
+            id="each once",
+        ),
+        pytest.param(
+            "find_package(gazebo_ros_pkgs)\nament_export_dependencies(gazebo_ros_pkgs rclcpp)\n",
+            "find_package(ros_gz)\nament_export_dependencies(ros_gz rclcpp)\n",
+            id="what is exported",
+        ),
+        pytest.param(
+            "set(deps\n  rclcpp\n  gazebo_ros  # starts it\n  gazebo_plugins\n  gazebo_dev\n)\n",
+            "set(deps\n  rclcpp\n  ros_gz_sim  # starts it\n)\n",
+            id="in a list",
+        ),
+        pytest.param(
+            "ament_target_dependencies(n rclcpp gazebo_dev)\n",
+            "ament_target_dependencies(n rclcpp)\n",
+            id="one of several arguments",
+        ),
+        pytest.param(
+            "include_directories(include ${GAZEBO_INCLUDE_DIRS})\n"
+            "link_directories(${GAZEBO_LIBRARY_DIRS})\n"
+            'list(APPEND CMAKE_CXX_FLAGS "${GAZEBO_CXX_FLAGS}")\n'
+            'set(CMAKE_CXX_FLAGS "${CMAKE_CXX_FLAGS} ${GAZEBO_CXX_FLAGS}")\n'
+            'set(CMAKE_CXX_FLAGS "${CMAKE_CXX_FLAGS} ${GAZEBO_CXX_FLAGS} -O2")\n',
+            'include_directories(include)\nset(CMAKE_CXX_FLAGS "${CMAKE_CXX_FLAGS} -O2")\n',
+            id="variables of Gazebo",
+        ),
+        pytest.param(
+            "find_package(gazebo_ros QUIET)\nif(gazebo_ros_FOUND)\nendif()\n",
+            "find_package(ros_gz_sim QUIET)\nif(ros_gz_sim_FOUND)\nendif()\n",
+            id="a condition",
+        ),
+        pytest.param(
+            "# find_package(gazebo_ros)\ninstall(DIRECTORY gazebo DESTINATION share/r)\n",
+            "# find_package(gazebo_ros)\ninstall(DIRECTORY gazebo DESTINATION share/r)\n",
+            id="comments and folders",
+        ),
+    ],
+)
+def test_what_is_found(before: str, after: str) -> None:
+    assert ported(HEAD + before) == (HEAD + after, [])
+    assert ported((HEAD + before).replace("\n", "\r\n"))[0] == (HEAD + after).replace("\n", "\r\n")
+
+
+def test_a_plugin_of_the_author_stays_with_all_that_it_needs(tmp_path: Path) -> None:
+    (tmp_path / "push.cpp").write_text("#include <gazebo/gazebo.hh>\n")
+    text = (
+        f"{HEAD}find_package(gazebo_ros REQUIRED)\nadd_library(push SHARED push.cpp)\n"
+        "ament_target_dependencies(push gazebo_ros)\n"
+    )
+    after, listed = ported(text, file=tmp_path / "CMakeLists.txt")
+    assert after == text
+    assert [one.partition(" is compiled")[0] for one in listed] == ["5: The target `push`"]
+
+
+def test_a_node_that_only_names_gazebo_is_no_plugin(tmp_path: Path) -> None:
+    """It includes nothing of it, so it compiles without."""
+    (tmp_path / "node.cpp").write_text("#include <rclcpp/rclcpp.hpp>\n")
+    text = f"{HEAD}add_executable(n node.cpp)\nament_target_dependencies(n rclcpp gazebo_ros)\n"
+    assert ported(text, file=tmp_path / "CMakeLists.txt") == (
+        text.replace("gazebo_ros", "ros_gz_sim"),
+        [],
+    )
+
+
+def test_a_condition_on_gazebo_itself_is_listed() -> None:
+    text = f"{HEAD}find_package(gazebo QUIET)\nif(NOT gazebo_FOUND)\n  return()\nendif()\n"
+    assert ported(text) == (
+        text,
+        ["5: CMakeLists.txt depends on `gazebo_FOUND`, which is false without Gazebo Classic."],
+    )
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        pytest.param(
+            "install(DIRECTORY launch DESTINATION share/${PROJECT_NAME})\nament_package()\n",
+            "install(DIRECTORY launch config worlds DESTINATION share/${PROJECT_NAME})\n"
+            "ament_package()\n",
+            id="beside others",
+        ),
+        pytest.param(
+            "ament_package()\n",
+            "install(DIRECTORY config DESTINATION share/${PROJECT_NAME})\n"
+            "install(DIRECTORY worlds DESTINATION share/${PROJECT_NAME})\n"
+            "ament_package()\n",
+            id="alone",
+        ),
+        pytest.param(
+            "ament_auto_package(\n  INSTALL_TO_SHARE\n  launch\n  worlds\n)\n",
+            "ament_auto_package(\n  INSTALL_TO_SHARE\n  launch\n  worlds\n  config\n)\n",
+            id="ament_auto_package",
+        ),
+        pytest.param(
+            "install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/worlds/ ./config DESTINATION s)\n",
+            "install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/worlds/ ./config DESTINATION s)\n",
+            id="there already",
+        ),
+    ],
+)
+def test_new_folders(before: str, after: str) -> None:
+    assert ported(HEAD + before, ("worlds", "config")) == (HEAD + after, [])
+
+
+SETUP = """import os
+from setuptools import setup
+
+package_name = 'r'
+setup(
+    name=package_name,
+    data_files=[
+        ('share/' + package_name, ['package.xml']),
+    ],
+)
+"""
+
+
+@pytest.mark.parametrize("with_glob", [False, True])
+def test_folders_of_a_python_package(with_glob: bool) -> None:
+    before = f"from glob import glob\n{SETUP}" if with_glob else SETUP
+    after, _ = ported(before, ("worlds",), file=Path("/nowhere/setup.py"))
+    entry = "        ('share/' + package_name + '/worlds', glob('worlds/*')),"
+    assert after == f"from glob import glob\n{SETUP}".replace("=[\n", f"=[\n{entry}\n")
+
+
+def test_a_folder_that_is_installed() -> None:
+    text = SETUP.replace("['package.xml']", "['worlds/a.world']")
+    assert ported(text, ("worlds",), file=Path("/nowhere/setup.py"))[0] == text
+
+
+def test_hooks() -> None:
+    text = (
+        "prepend-non-duplicate;GAZEBO_MODEL_PATH;share/r/models\n"
+        "prepend-non-duplicate;GAZEBO_RESOURCE_PATH;share/r/models\n"
+        "prepend-non-duplicate;GAZEBO_PLUGIN_PATH;lib\n"
+    )
+    source = SourceText(Path("/nowhere/r.dsv.in"), text)
+    after = apply(text, port_hook(source).edits)
+    assert after == (
+        "prepend-non-duplicate;GZ_SIM_RESOURCE_PATH;share/r/models\n"
+        "prepend-non-duplicate;GZ_SIM_SYSTEM_PLUGIN_PATH;lib\n"
+    )
+    assert port_hook(SourceText(source.file, after)).edits == ()
