@@ -91,6 +91,19 @@ def test_a_plugin_of_the_author_stays_with_all_that_it_needs(tmp_path: Path) -> 
     assert [one.partition(" is compiled")[0] for one in listed] == ["5: The target `push`"]
 
 
+def test_headers_of_the_package_that_include_those_of_gazebo(tmp_path: Path) -> None:
+    (tmp_path / "include").mkdir()
+    (tmp_path / "include" / "push.h").write_text("#include <gazebo/physics/physics.hh>\n")
+    (tmp_path / "push.cpp").write_text('#include "push.h"\n')
+    text = (
+        f"{HEAD}add_library(push SHARED push.cpp)\n"
+        "target_link_libraries(push ${GAZEBO_LIBRARIES})\n"
+    )
+    after, listed = ported(text, file=tmp_path / "CMakeLists.txt")
+    assert after == text
+    assert len(listed) == 1
+
+
 def test_a_node_that_only_names_gazebo_is_no_plugin(tmp_path: Path) -> None:
     """It includes nothing of it, so it compiles without."""
     (tmp_path / "node.cpp").write_text("#include <rclcpp/rclcpp.hpp>\n")
@@ -172,11 +185,14 @@ def test_hooks() -> None:
         "prepend-non-duplicate;GAZEBO_MODEL_PATH;share/r/models\n"
         "prepend-non-duplicate;GAZEBO_RESOURCE_PATH;share/r/models\n"
         "prepend-non-duplicate;GAZEBO_PLUGIN_PATH;lib\n"
+        "\n"
+        "prepend-non-duplicate;GZ_SIM_SYSTEM_PLUGIN_PATH;lib\n"
     )
     source = SourceText(Path("/nowhere/r.dsv.in"), text)
     after = apply(text, port_hook(source).edits)
     assert after == (
         "prepend-non-duplicate;GZ_SIM_RESOURCE_PATH;share/r/models\n"
+        "\n"
         "prepend-non-duplicate;GZ_SIM_SYSTEM_PLUGIN_PATH;lib\n"
     )
     assert port_hook(SourceText(source.file, after)).edits == ()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from wsgen.checks.fixes.build_files import add_to_data_files, install_beside
 from wsgen.checks.fixes.cmake_source import read_commands
 from wsgen.checks.fixes.source import Edit, join_additions
-from wsgen.porting.manifests import MESSAGES, SUCCESSORS, code_that_names
+from wsgen.porting.manifests import MESSAGES, SUCCESSORS, code_with, naming
 from wsgen.porting.ported import FilePort, Unported
 from wsgen.text.files import read_regular
 
@@ -93,24 +93,21 @@ def _compiled(source: SourceText, commands: Sequence[Command]) -> Iterator[Comma
         if command.name in _OF_TARGETS
         and any(_NAMES.fullmatch(one.text) for one in command.arguments[1:])
     }
+    # A source may include them by a header of the package.
+    is_used = bool(linked) and code_with(source.file.parent, _HEADER) is not None
     for command in commands:
-        if command.name not in _TARGETS or not command.arguments:
-            continue
-        written = [one.text for one in command.arguments[1:]]
-        files = [source.file.parent / one for one in written if "." in one and "$" not in one]
-        includes = [_includes_classic(file) for file in files]
-        is_known = None not in includes and includes and not any("$" in one for one in written)
-        if any(includes) or (command.arguments[0].text in linked and not is_known):
-            yield command
+        if command.name in _TARGETS and command.arguments:
+            names = [one.text for one in command.arguments]
+            files = (source.file.parent / one for one in names[1:] if "$" not in one)
+            if (names[0] in linked and is_used) or any(map(_includes_classic, files)):
+                yield command
 
 
-def _includes_classic(file: Path) -> bool | None:
-    """Whether a file includes headers of Gazebo Classic; None where it cannot be read."""
+def _includes_classic(file: Path) -> bool:
     try:
-        data = read_regular(file, _SOURCE_LIMIT)
+        return re.search(_HEADER, read_regular(file, _SOURCE_LIMIT)) is not None
     except (OSError, ValueError):
-        return None
-    return re.search(_HEADER, data) is not None
+        return False
 
 
 def _tested(commands: Sequence[Command]) -> Iterator[tuple[Command, Argument]]:
@@ -134,7 +131,7 @@ def _conditions(source: SourceText, commands: Sequence[Command]) -> Iterator[Unp
 
 def _without_classic(source: SourceText, commands: Sequence[Command]) -> Iterator[Edit]:
     kept = {one.text.removesuffix("_FOUND") for _, one in _tested(commands)}
-    if code_that_names(source.file.parent, MESSAGES):
+    if code_with(source.file.parent, naming(MESSAGES)):
         kept.add(MESSAGES)
     becomes = {name: new for name, new in _FOUND.items() if name not in kept}
     found = {
@@ -295,13 +292,12 @@ def _import_of_glob(source: SourceText, tree: ast.Module) -> Edit:
 def port_hook(source: SourceText) -> FilePort:
     """Set the variables of Gazebo Sim in a hook of the environment, each with a value once."""
     edits: list[Edit] = []
-    seen: set[str] = set()
-    for found in re.finditer(r"[^\n]*(?:\n|\Z)", source.text):
+    seen = {line.strip() for line in source.text.splitlines()}
+    for found in re.finditer(r"[^\n]+(?:\n|\Z)", source.text):
         line = re.sub(rf"\b(?:{'|'.join(VARIABLES)})\b", lambda name: VARIABLES[name[0]], found[0])
-        is_repeated = bool(line.strip()) and "GZ_SIM" in line and line.strip() in seen
-        seen.add(line.strip())
-        if is_repeated and line != found[0]:
-            line = ""
         if line != found[0]:
-            edits.append(Edit(start=found.start(), end=found.end(), text=line))
+            is_repeated = line.strip() in seen
+            seen.add(line.strip())
+            text = "" if is_repeated else line
+            edits.append(Edit(start=found.start(), end=found.end(), text=text))
     return FilePort(edits=tuple(edits))

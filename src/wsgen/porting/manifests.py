@@ -57,18 +57,23 @@ class _Declared(NamedTuple):
     becomes: str  # the same name: it stays; empty: it goes
 
 
-def code_that_names(folder: Path, word: str) -> Path | None:
-    """The first source file of nodes or plugins, in the order of names, with a word in it."""
+def code_with(folder: Path, pattern: bytes) -> Path | None:
+    """The first source file of nodes or plugins, in the order of names, that has a pattern."""
     for file in sorted(folder.rglob("*")):
         if file.suffix not in _CODE or file.name.endswith(".launch.py"):
             continue
         try:
             data = read_regular(file, _CODE_LIMIT)
-        except OSError:
+        except (OSError, ValueError):
             continue
-        if re.search(rf"\b{word}\b".encode(), data):
+        if re.search(pattern, data):
             return file
     return None
+
+
+def naming(package: str) -> bytes:
+    """The pattern of the name of a package."""
+    return rf"\b{package}\b".encode()
 
 
 def port_manifest(
@@ -120,7 +125,7 @@ def _successor(name: str, target: Target, workspace: Collection[str], folder: Pa
         return name
     instead = SUCCESSORS[name]
     if name == MESSAGES:
-        return name if code_that_names(folder, name) else ""
+        return name if code_with(folder, naming(name)) else ""
     is_of_gazebo = name in FOR_GAZEBO_SIM or name in _KEYS
     if not is_of_gazebo and target.distro in released.get(name, ()):
         return name
@@ -181,7 +186,7 @@ def _unported(
         line = source.line_at(one.tag.start.start)
         distros = released.get(one.name)
         if one.name == MESSAGES:
-            user = code_that_names(source.file.parent, one.name)
+            user = code_with(source.file.parent, naming(one.name))
             yield Unported(
                 source.file,
                 line,
