@@ -13,7 +13,6 @@ from wsgen.model.facts import WITHOUT_CLASSIC
 from wsgen.model.target import CLASSIC, SIM, SIMULATORS
 
 if TYPE_CHECKING:
-
     from wsgen.porting.plan import PortPlan
 
 
@@ -64,8 +63,11 @@ def command(
     if not (diff or force):
         refuse_unsaved(package.path for package in targets.packages)
     plan = plan_port(targets, Target(distro=distro, simulator=SIM), os.environ)
-    if diff:
+    if diff or verbose:
         _print_diff(plan)
+    if diff:
+        for line in _left(plan):
+            echo(line, err=True)
         return EXIT_PASSED
     for file in write_port(plan):
         if not quiet:
@@ -84,8 +86,6 @@ def _print_diff(plan: PortPlan) -> None:
         for file, text in plan.created
     ]
     print_diff([*created, *plan.files])
-    for line in _left(plan):
-        echo(line, err=True)
 
 
 def _left(plan: PortPlan) -> list[str]:

@@ -1,0 +1,165 @@
+"""Where a launch file in Python starts the bridge of topics, and the text of that node."""
+
+from __future__ import annotations
+
+import ast
+from typing import TYPE_CHECKING, NamedTuple
+
+from wsgen.checks.fixes.launch_files import name_of
+from wsgen.model.facts import PROGRAMS
+from wsgen.model.target import SIM
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from wsgen.porting.ported import BridgeRow
+    from wsgen.porting.python_edits import PythonEdits
+
+BRIDGE_PACKAGE, BRIDGE = (PROGRAMS[SIM][key][1] for key in ("bridge_package", "bridge"))
+CLOCK = "/clock@rosgraph_msgs/msg/Clock[gz.msgs.Clock"
+_STARTS = ("on_start", "on_exit", "actions", "on_completion")
+_HANDLERS = ("RegisterEventHandler", "TimerAction")
+
+
+def option(row: BridgeRow) -> str:
+    """The argument of the bridge for a topic."""
+    return f"{row.gz_topic}@{row.ros_type}{row.direction}gz.msgs.{row.gz_type}"
+
+
+class _Place(NamedTuple):
+    """Where an action is added."""
+
+    place: int
+    indent: str
+    form: str  # with `{}` for the action
+
+
+class BridgeWriter:
+    """Adds the bridge to a launch file."""
+
+    def __init__(self, file: PythonEdits) -> None:
+        self.file = file
+
+    def start(
+        self, beside: Sequence[ast.Call], rows: Sequence[BridgeRow], *, with_clock: bool
+    ) -> bool:
+        """Start a bridge where the first of some actions is started that is; whether one is."""
+        arguments = [*dict.fromkeys([*([CLOCK] if with_clock else []), *map(option, rows)])]
+        places = next((found for one in beside if (found := [*self._places(one)])), [])
+        if not places:
+            self.file.leave(
+                beside[0],
+                "It is not certain where the bridge of the topics belongs.",
+                f"Add a Node of {BRIDGE_PACKAGE} with these arguments: {' '.join(arguments)}",
+            )
+            return False
+        for place, indent, form in places:
+            self.file.insert(place, form.format(self._node(arguments, rows, indent)))
+        self.file.imports.append("from launch_ros.actions import Node")
+        return True
+
+    def _node(self, arguments: Sequence[str], rows: Sequence[BridgeRow], indent: str) -> str:
+        quoted = self.file.quoted
+        inner = f"{indent}    "
+        remappings = dict.fromkeys(
+            f"({quoted(row.gz_topic)}, {quoted(row.ros_topic)})"
+            for row in rows
+            if row.gz_topic != row.ros_topic
+        )
+        lines = [
+            "Node(",
+            f"{inner}package={quoted(BRIDGE_PACKAGE)},",
+            f"{inner}executable={quoted(BRIDGE)},",
+            f"{inner}arguments=[",
+            *(f"{inner}    {quoted(one)}," for one in arguments),
+            f"{inner}],",
+        ]
+        if remappings:
+            lines += [
+                f"{inner}remappings=[",
+                *(f"{inner}    {one}," for one in remappings),
+                f"{inner}],",
+            ]
+        lines += [f"{inner}output={quoted('screen')},", f"{indent})"]
+        return self.file.source.newline.join(lines)
+
+    def _places(self, call: ast.Call) -> Iterator[_Place]:
+        """Where an action goes that is started with another one.
+
+        Several where branches of the launch file start it: one in each.
+        """
+        branches: list[list[ast.AST]] = []
+        for node in self._uses(call):
+            place = self._beside(node)
+            if place is None:
+                continue
+            around = [*self._branches(node)]
+            if all(self._exclude(around, before) for before in branches):
+                branches.append(around)
+                yield place
+
+    def _exclude(self, some: Sequence[ast.AST], others: Sequence[ast.AST]) -> bool:
+        """Whether two places are in different branches of one `if`."""
+        parents = self.file.parents
+        return any(
+            one is not other and parents[one] is parents[other] for one in some for other in others
+        )
+
+    def _branches(self, node: ast.AST) -> Iterator[ast.AST]:
+        """The branches of `if` that a node is in: the first statement of each."""
+        parent = self.file.parents.get(node)
+        while parent is not None:
+            if isinstance(parent, ast.If) and isinstance(node, ast.stmt):
+                yield (parent.body if node in parent.body else parent.orelse)[0]
+            node, parent = parent, self.file.parents.get(parent)
+
+    def _beside(self, node: ast.expr) -> _Place | None:
+        file, tree = self.file, self.file.tree
+        newline = file.source.newline
+        parent = file.parents.get(node)
+        if isinstance(parent, ast.List):
+            indent = file.source.indent_at(tree.start(node))
+            if file.source.text[: tree.start(node)].rpartition("\n")[2].strip():
+                indent += "    "  # others are on its line
+            return _Place(tree.end(node), indent, f",{newline}{indent}{{}}")
+        if isinstance(parent, ast.Call) and name_of(parent) == "add_action":
+            statement = file.parents.get(parent)
+            if isinstance(statement, ast.Expr) and isinstance(parent.func, ast.Attribute):
+                indent = file.source.indent_at(tree.start(statement))
+                receiver = file.written(parent.func.value)
+                form = f"{newline}{indent}{receiver}.add_action({{}})"
+                return _Place(tree.end(statement), indent, form)
+        return None
+
+    def _uses(self, call: ast.expr, depth: int = 4) -> Iterator[ast.expr]:
+        """The call, what starts it, and the names that stand for one of them.
+
+        What is started at once comes before what a handler starts.
+        """
+        yield call
+        parent = self.file.parents.get(call)
+        if isinstance(parent, ast.keyword) and parent.arg in _STARTS:
+            handler = self.file.parents[parent]
+            while not isinstance(handler, ast.stmt):
+                if isinstance(handler, ast.Call) and name_of(handler) in _HANDLERS:
+                    yield from self._uses(handler, depth - 1)
+                    return
+                handler = self.file.parents[handler]
+        if not isinstance(parent, ast.Assign) or not depth:
+            return
+        names = {target.id for target in parent.targets if isinstance(target, ast.Name)}
+        found = [
+            node
+            for node in self.file.tree.all(ast.Name)
+            if node.id in names and isinstance(node.ctx, ast.Load)
+        ]
+        for node in sorted(found, key=lambda node: (self._is_in_handler(node), node.lineno)):
+            yield from self._uses(node, depth - 1)
+
+    def _is_in_handler(self, node: ast.AST) -> bool:
+        around = self.file.parents.get(node)
+        while around is not None:
+            if isinstance(around, ast.Call) and name_of(around) in _HANDLERS:
+                return True
+            around = self.file.parents.get(around)
+        return False

@@ -1,0 +1,245 @@
+"""Launch files in Python, from Gazebo Classic to Gazebo Sim: text in, text out."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+from textwrap import dedent
+
+import pytest
+
+from wsgen.checks.fixes.source import SourceText, apply
+from wsgen.porting.launch_files import Context, port_launch_file
+from wsgen.porting.ported import BridgeRow, FilePort
+
+SCAN = BridgeRow("/scan", "LaserScan", "sensor_msgs/msg/LaserScan", "[", "/scan")
+STATES = BridgeRow("/world/w/joint_state", "Model", "sensor_msgs/msg/JointState", "[", "/joints")
+
+
+def ported(
+    text: str, *, world: str | None = None, rows: dict[int, list[BridgeRow]] | None = None
+) -> tuple[str, FilePort]:
+    """The text of a launch file after its port; it must be Python, and another port no change."""
+    source = SourceText(Path("robot.launch.py"), dedent(text))
+    context = Context(rows=rows or {}, package="my_robot", default_world=world)
+    port = port_launch_file(source, context)
+    after = apply(source.text, port.edits)
+    ast.parse(after)
+    again = port_launch_file(SourceText(source.file, after), context)
+    assert not again.edits
+    return after, port
+
+
+def arguments_of(body: str, *, world: str | None = None) -> str:
+    """What `gz_args` is after the port of an include with this in it."""
+    text = (
+        "IncludeLaunchDescription(PythonLaunchDescriptionSource("
+        f"[FindPackageShare('gazebo_ros'), '/launch/gazebo.launch.py']){body})"
+    )
+    after, _ = ported(text, world=world)
+    assert "FindPackageShare('ros_gz_sim'), '/launch/gz_sim.launch.py'" in after
+    return after.partition("launch_arguments={'gz_args': ")[2].rpartition("}.items()")[0]
+
+
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        ("", "['-r ', 'empty.sdf']"),
+        (", launch_arguments={'world': path}.items()", "['-r ', path]"),
+        (", launch_arguments={'world': path, 'pause': 'true'}.items()", "[path]"),
+        (
+            ", launch_arguments={'verbose': 'true', 'gui': 'false', 'world': path}.items()",
+            "['-r -s -v 4 ', path]",
+        ),
+        (
+            ", launch_arguments={'world': path, 'gui': LaunchConfiguration('gui')}.items()",
+            "['-r ', IfElseSubstitution(LaunchConfiguration('gui'), '', '-s '), path]",
+        ),
+        (", launch_arguments={'world': [share, '/a.world']}.items()", "['-r ', share, '/a.world']"),
+    ],
+)
+def test_launch_arguments_become_gz_args(given: str, expected: str) -> None:
+    assert arguments_of(given) == expected
+
+
+def test_the_default_world_is_a_file_of_the_package_where_the_robot_needs_systems() -> None:
+    after, port = ported(
+        """\
+        from launch_ros.substitutions import FindPackageShare
+
+        gazebo = IncludeLaunchDescription(
+            PythonLaunchDescriptionSource(
+                [FindPackageShare('gazebo_ros'), '/launch/gazebo.launch.py']
+            ),
+        )
+        """,
+        world="worlds/empty.sdf",
+    )
+    assert "PathJoinSubstitution([FindPackageShare('my_robot'), 'worlds', 'empty.sdf'])" in after
+    assert "from launch.substitutions import PathJoinSubstitution" in after
+    assert after.count("import FindPackageShare") == 1
+    assert port.files == {"worlds/empty.sdf"}
+
+
+def test_a_declared_world_is_seen_by_the_included_launch_file() -> None:
+    after, _ = ported(
+        """\
+        share = get_package_share_directory('gazebo_ros')
+        declare = DeclareLaunchArgument('world', default_value='empty.world')
+        gazebo = IncludeLaunchDescription(
+            PythonLaunchDescriptionSource(
+                os.path.join(share, 'launch', 'gazebo.launch.py')
+            )
+        )
+        """
+    )
+    assert "DeclareLaunchArgument('world', default_value='empty.sdf')" in after
+    assert "launch_arguments={'gz_args': ['-r ', LaunchConfiguration('world')]}.items()" in after
+
+
+def test_server_and_client_stay_two() -> None:
+    after, _ = ported(
+        """\
+        share = get_package_share_directory("gazebo_ros")
+        server = IncludeLaunchDescription(
+            PythonLaunchDescriptionSource(os.path.join(share, "launch", "gzserver.launch.py")),
+            launch_arguments={"world": world}.items(),
+        )
+        client = IncludeLaunchDescription(
+            PythonLaunchDescriptionSource(os.path.join(share, "launch", "gzclient.launch.py")),
+            condition=IfCondition(gui),  # not in CI
+        )
+        """
+    )
+    assert 'launch_arguments={"gz_args": ["-s -r ", world]}.items(),\n' in after
+    assert 'condition=IfCondition(gui),\n    launch_arguments={"gz_args": "-g"}' in after
+    assert "# not in CI" in after
+
+
+def test_a_command_becomes_one_of_gz() -> None:
+    after, port = ported(
+        """\
+        gazebo = ExecuteProcess(
+            cmd=['gazebo', '--verbose', '-s', 'libgazebo_ros_init.so', world,
+                 '-s', 'libgazebo_ros_factory.so'],  # factory last
+            output='screen',
+        )
+        ld.add_action(gazebo)
+        """
+    )
+    assert "cmd=['gz', 'sim', '-r', '-v', '4', world]" in after
+    assert "# factory last" in after
+    assert not port.unported
+
+
+SPAWNED = """\
+def generate_launch_description():
+    spawn = Node(
+        package="gazebo_ros", executable="spawn_entity.py",
+        arguments=["-topic", "robot_description", "-entity", "rover",
+                   "-timeout", "60",
+                   "-z", "0.1"],  # above the ground
+    )
+    {body}
+"""
+
+
+def test_a_spawner_keeps_its_options() -> None:
+    after, port = ported(SPAWNED.format(body="return LaunchDescription([spawn])"))
+    assert 'package="ros_gz_sim", executable="create",' in after
+    assert '"-name", "rover",\n                   "-z", "0.1"],  # above the ground' in after
+    assert "timeout" not in after
+    assert not port.unported
+
+
+def test_an_option_without_counterpart_is_listed() -> None:
+    text = SPAWNED.replace("-timeout", "-robot_namespace").replace('"60"', "name")
+    after, port = ported(text.format(body="return LaunchDescription([spawn])"))
+    assert "robot_namespace" not in after
+    assert [one.line for one in port.unported] == [5]
+    assert "`-robot_namespace` of spawn_entity.py is gone" in port.unported[0].what
+
+
+@pytest.mark.parametrize(
+    ("body", "expected"),
+    [
+        (
+            "return LaunchDescription([\n        spawn,\n        other,\n    ])",
+            '        spawn,\n        Node(\n            package="ros_gz_bridge",',
+        ),
+        (
+            "ld = LaunchDescription()\n    ld.add_action(spawn)\n    return ld",
+            '    ld.add_action(spawn)\n    ld.add_action(Node(\n        package="ros_gz_bridge",',
+        ),
+        (
+            "handler = RegisterEventHandler(OnProcessStart(on_start=spawn))\n"
+            + "    return LaunchDescription([\n        handler,\n    ])",
+            '        handler,\n        Node(\n            package="ros_gz_bridge",',
+        ),
+    ],
+)
+def test_the_bridge_starts_beside_the_spawner(body: str, expected: str) -> None:
+    after, port = ported(SPAWNED.format(body=body), rows={2: [SCAN, STATES]})
+    assert expected in after
+    assert '"/scan@sensor_msgs/msg/LaserScan[gz.msgs.LaserScan",' in after
+    assert '("/world/w/joint_state", "/joints"),' in after
+    assert after.count("parameter_bridge") == 1
+    assert "from launch_ros.actions import Node" in after
+    assert port.packages == {"ros_gz_sim", "ros_gz_bridge"}
+
+
+def test_each_branch_has_its_bridge() -> None:
+    body = """if rviz:
+        return [
+            spawn,
+            rviz_node,
+        ]
+    return [
+        spawn,
+    ]"""
+    with_else = body.replace(
+        "    return [\n        spawn,\n    ]", "    else:\n        return [spawn]"
+    )
+    after, _ = ported(SPAWNED.format(body=with_else), rows={2: [SCAN]})
+    assert after.count("parameter_bridge") == 2
+
+
+def test_the_clock_starts_with_the_simulator() -> None:
+    after, _ = ported(
+        """\
+        share = FindPackageShare('gazebo_ros').find('gazebo_ros')
+        gazebo = IncludeLaunchDescription(
+            PythonLaunchDescriptionSource(share + '/launch/gazebo.launch.py'))
+        ld.add_action(gazebo)
+        """
+    )
+    assert "FindPackageShare('ros_gz_sim').find('ros_gz_sim')" in after
+    assert after.count("'/clock@rosgraph_msgs/msg/Clock[gz.msgs.Clock'") == 1
+
+
+def test_variables_of_the_environment_are_renamed() -> None:
+    after, _ = ported("SetEnvironmentVariable('GAZEBO_MODEL_PATH', models)\n")
+    assert after == "SetEnvironmentVariable('GZ_SIM_RESOURCE_PATH', models)\n"
+
+
+def test_what_is_not_understood_is_listed_and_stays() -> None:
+    text = (
+        "IncludeLaunchDescription(source('gazebo_ros', 'gazebo.launch.py'), launch_arguments=f())\n"
+    )
+    after, port = ported(text)
+    assert "launch_arguments=f()" in after
+    assert "computed" in port.unported[0].what
+
+
+@pytest.mark.parametrize("text", ["def broken(:\n    'gazebo_ros'\n", "print('hello')\n"])
+def test_other_files_stay_as_they_are(text: str) -> None:
+    source = SourceText(Path("robot.launch.py"), text)
+    assert port_launch_file(source, Context(rows={}, package="my_robot")) == FilePort()
+
+
+def test_line_ends_of_windows_stay() -> None:
+    text = SPAWNED.format(body="return LaunchDescription([\n        spawn,\n    ])")
+    source = SourceText(Path("robot.launch.py"), text.replace("\n", "\r\n"))
+    port = port_launch_file(source, Context(rows={2: [SCAN]}, package="my_robot"))
+    after = apply(source.text, port.edits)
+    assert after.count("\n") == after.count("\r\n")
