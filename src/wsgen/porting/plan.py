@@ -17,7 +17,7 @@ from wsgen.packages.workspace.layout import BUILD_MARKERS, LAUNCH_FILES
 from wsgen.pipeline.check_package import PackageCheck
 from wsgen.pipeline.installed_as_built import lay_out
 from wsgen.pipeline.parallel import start_children
-from wsgen.porting.build_files import port_cmake, port_setup
+from wsgen.porting.build_files import port_cmake, port_hook, port_setup
 from wsgen.porting.launch_files import Context, port_launch_file
 from wsgen.porting.launch_markup import port_markup
 from wsgen.porting.manifests import port_manifest
@@ -43,6 +43,7 @@ _OF_XML = (".urdf", ".xacro", ".gazebo", ".sdf", ".world", ".xml", ".trans", ".u
 _ROBOT, _SDF, _WORLD, _LAUNCH = (
     re.compile(rf"<{name}\b") for name in ("robot", "sdf", "world", "launch")
 )
+_HOOKS = (".sh", ".sh.in", ".dsv", ".dsv.in")
 _CODE = (".cpp", ".cc", ".cxx", ".c", ".hpp", ".hh", ".h")
 _OF_CLASSIC = re.compile(
     r"#include\s*[<\"](?:gazebo/|ignition/math|gazebo_ros/|gazebo_plugins/)"
@@ -105,7 +106,7 @@ def plan_port(targets: Targets, target: Target, environment: Mapping[str, str]) 
             _port_launch_files(port, target, rows, systems)
             _list_code(port)
         for port in ports:
-            _port_build(port, target)
+            _port_build(port, target, ports)
     return _collect(ports, target, systems)
 
 
@@ -188,12 +189,22 @@ def _list_code(port: _Port) -> None:
             port.add(source, FilePort(unported=(unported,)))
 
 
-def _port_build(port: _Port, target: Target) -> None:
+def _port_build(port: _Port, target: Target, ports: Sequence[_Port]) -> None:
     made = port.all()
     folders = frozenset(name.partition("/")[0] for name in made.files if "/" in name)
+    address = re.compile(rf"(?:package|model)://{re.escape(port.package.name)}/")
+    has_models = any(
+        address.search(source.text) for one in ports for source in one.files(_OF_XML)
+    )
     calls: dict[str, Callable[[SourceText], FilePort]] = {
-        "package.xml": lambda source: port_manifest(source, target, made.packages),
-        "CMakeLists.txt": lambda source: port_cmake(source, target, made.packages, folders),
+        "package.xml": lambda source: port_manifest(
+            source,
+            target,
+            made.packages,
+            workspace=[one.package.name for one in ports],
+            has_models=has_models,
+        ),
+        "CMakeLists.txt": lambda source: port_cmake(source, folders),
         "setup.py": lambda source: port_setup(source, folders),
     }
     for name, call in calls.items():
@@ -201,6 +212,8 @@ def _port_build(port: _Port, target: Target) -> None:
         source = port.source(file) if file.is_file() else None
         if source is not None:
             port.add(source, call(source))
+    for source in port.files(_HOOKS):
+        port.add(source, port_hook(source))
 
 
 def _collect(ports: Sequence[_Port], target: Target, systems: frozenset[str]) -> PortPlan:
