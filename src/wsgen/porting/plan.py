@@ -11,9 +11,10 @@ from collections import defaultdict
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.fixes.plan import FileFix, is_whole
-from wsgen.checks.fixes.source import apply, overlap, read_source
+from wsgen.checks.fixes.source import Edit, apply, overlap, read_source
 from wsgen.isolation.parent import make_scratch
 from wsgen.packages.workspace.layout import BUILD_MARKERS, LAUNCH_FILES
+from wsgen.packages.workspace.settings import FILE as SETTINGS
 from wsgen.pipeline.check_package import PackageCheck
 from wsgen.pipeline.installed_as_built import lay_out
 from wsgen.pipeline.parallel import start_children
@@ -193,9 +194,7 @@ def _port_build(port: _Port, target: Target, ports: Sequence[_Port]) -> None:
     made = port.all()
     folders = frozenset(name.partition("/")[0] for name in made.files if "/" in name)
     address = re.compile(rf"(?:package|model)://{re.escape(port.package.name)}/")
-    has_models = any(
-        address.search(source.text) for one in ports for source in one.files(_OF_XML)
-    )
+    has_models = any(address.search(source.text) for one in ports for source in one.files(_OF_XML))
     calls: dict[str, Callable[[SourceText], FilePort]] = {
         "package.xml": lambda source: port_manifest(
             source,
@@ -206,6 +205,7 @@ def _port_build(port: _Port, target: Target, ports: Sequence[_Port]) -> None:
         ),
         "CMakeLists.txt": lambda source: port_cmake(source, folders),
         "setup.py": lambda source: port_setup(source, folders),
+        SETTINGS: lambda source: _port_settings(source, target),
     }
     for name, call in calls.items():
         file = port.package.path / name
@@ -214,6 +214,21 @@ def _port_build(port: _Port, target: Target, ports: Sequence[_Port]) -> None:
             port.add(source, call(source))
     for source in port.files(_HOOKS):
         port.add(source, port_hook(source))
+
+
+def _port_settings(source: SourceText, target: Target) -> FilePort:
+    """Write the new target into wsgen.toml."""
+    section = re.search(r"(?m)^\[target\][^\[]*", source.text)
+    if section is None:
+        return FilePort()
+    edits = []
+    for key, value in (("distro", target.distro), ("simulator", target.simulator)):
+        found = re.compile(rf"(?m)^\s*{key}\s*=\s*[\"'](\w+)[\"']").search(
+            source.text, section.start(), section.end()
+        )
+        if found is not None and found[1] != value:
+            edits.append(Edit(start=found.start(1), end=found.end(1), text=value))
+    return FilePort(edits=tuple(edits))
 
 
 def _collect(ports: Sequence[_Port], target: Target, systems: frozenset[str]) -> PortPlan:
