@@ -1,0 +1,89 @@
+"""Whole packages, from Gazebo Classic to Gazebo Sim."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from golden_support import golden_package
+from wsgen.cli import run
+from wsgen.model.target import SIM, Target
+from wsgen.pipeline.check import CheckRequest, check
+from wsgen.pipeline.check_targets import find_targets
+from wsgen.porting.plan import PortPlan, plan_port
+from wsgen.porting.write import write_port
+
+JAZZY = Target(distro="jazzy", simulator=SIM)
+OF_CLASSIC = re.compile(
+    r"gazebo_ros|gazebo_plugins|libgazebo|spawn_entity|gzserver|gzclient|GAZEBO_|Gazebo Classic"
+)
+
+
+def make(folder: Path, case: str) -> Path:
+    """A workspace with the package of a golden."""
+    package = folder / "src" / "gazebo_test"
+    shutil.copytree(golden_package(case), package)
+    return package
+
+
+def plan(*folders: Path) -> PortPlan:
+    return plan_port(find_targets(folders), JAZZY, os.environ)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("template", ["simple", "diff_drive", "arm", "wanderer"])
+def test_a_template_for_classic_becomes_one_for_sim(tmp_path: Path, template: str) -> None:
+    package = make(tmp_path, f"{template}-humble-classic")
+    written = [*write_port(plan(package))]
+    assert package / "package.xml" in written
+    for file in package.rglob("*"):
+        if file.is_file() and file.suffix in {".py", ".xml", ".txt", ".xacro", ".sdf", ".world"}:
+            assert not OF_CLASSIC.search(file.read_text(encoding="utf-8")), file
+    outcome = check(CheckRequest(paths=[package], distro="jazzy"), environment=os.environ)
+    assert outcome.diagnostics == ()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("template", ["diff_drive", "arm"])
+def test_ported_twice_is_ported_once(tmp_path: Path, template: str) -> None:
+    package = make(tmp_path, f"{template}-humble-classic")
+    list(write_port(plan(package)))
+    again = plan(package)
+    assert again.files == ()
+    assert again.created == ()
+    assert again.unported == ()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", ["diff_drive-jazzy-gz", "arm-humble-gz"])
+def test_a_package_for_sim_stays_as_it_is(tmp_path: Path, case: str) -> None:
+    package = make(tmp_path, case)
+    settings = package / "wsgen.toml"
+    settings.unlink()
+    planned = plan(package)
+    assert (planned.files, planned.created, planned.unported) == ((), (), ())
+
+
+@pytest.mark.slow
+def test_files_that_git_does_not_have_are_not_changed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    package = make(tmp_path, "simple-humble-classic")
+    before = (package / "package.xml").read_text(encoding="utf-8")
+    assert run(["port", str(package), "--to", "jazzy"]) == 2
+    assert "is not in a git repository" in capsys.readouterr().err
+    subprocess.run(["git", "init", "-q"], cwd=tmp_path, check=True)
+    assert run(["port", str(package), "--to", "jazzy"]) == 2
+    assert "changes that are not committed" in capsys.readouterr().err
+    assert run(["port", str(package), "--to", "jazzy", "--diff"]) == 0
+    diff = capsys.readouterr().out
+    assert "-  <exec_depend>gazebo_ros</exec_depend>" in diff
+    assert "+  <exec_depend>ros_gz_sim</exec_depend>" in diff
+    assert (package / "package.xml").read_text(encoding="utf-8") == before
+    assert run(["port", str(package), "--to", "jazzy", "--force"]) == 0
+    assert "ros_gz_sim" in (package / "package.xml").read_text(encoding="utf-8")
