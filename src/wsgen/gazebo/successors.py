@@ -5,12 +5,13 @@ Source: the repositories that `plugins` names; the migration guide of ros_gz.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from types import MappingProxyType
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.gazebo.plugins import stem
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Collection, Mapping
 
 # Plugin of Gazebo Classic -> what Gazebo Sim has instead.
 SUCCESSORS = {
@@ -89,6 +90,218 @@ ROS_1_PLUGINS = {
     "roboticsgroup_gazebo_mimic_joint_plugin": "<mimic> with gazebo_ros2_control",
     "hector_gazebo_ros_imu": "libgazebo_ros_imu_sensor.so",
     "hector_gazebo_ros_gps": "libgazebo_ros_gps_sensor.so",
+}
+
+
+class Conversion(NamedTuple):
+    """What a plugin of Gazebo Classic becomes in Gazebo Sim."""
+
+    system: str  # the class of the system
+    renamed: Mapping[str, str]  # parameters that it has, too: what they are called there
+    topics: Mapping[str, str]  # what topics are for -> the parameter with their name
+    # Parameters that it lacks, with what the author may do; what they did where it is not plain.
+    lost: Mapping[str, str] = MappingProxyType({})
+    written: tuple[str, ...] = ()  # those whose default differs: Classic's is written out
+
+
+_ODOMETRY_LOST = {
+    f"covariance_{axis}": "Set the covariance in the node that reads the odometry."
+    for axis in ("x", "y", "yaw")
+}
+_SAME_WHEELS = {name: name for name in ("left_joint", "right_joint", "wheel_separation")}
+CONVERSIONS = {
+    "gazebo_ros_diff_drive": Conversion(
+        "DiffDrive",
+        {**_SAME_WHEELS, "wheel_diameter": "wheel_radius"},
+        {"command": "topic"},
+        {
+            **_ODOMETRY_LOST,
+            "max_wheel_torque": "Write it as the effort of the <limit> of the wheels' joints.",
+        },
+        ("wheel_separation", "wheel_diameter"),
+    ),
+    "gazebo_ros_ackermann_drive": Conversion(
+        "AckermannSteering",
+        {
+            "rear_left_joint": "left_joint",
+            "rear_right_joint": "right_joint",
+            "left_steering_joint": "left_steering_joint",
+            "right_steering_joint": "right_steering_joint",
+            "max_steer": "steering_limit",
+            "max_speed": "max_velocity",
+        },
+        {"command": "topic"},
+        {
+            **_ODOMETRY_LOST,
+            "publish_distance": "Add up the distance in a node that reads the odometry.",
+            "publish_steerangle": "Read the angle from the joint states.",
+        },
+        ("max_steer", "max_speed"),
+    ),
+    "gazebo_ros_planar_move": Conversion(
+        "VelocityControl", {}, {"command": "topic"}, _ODOMETRY_LOST
+    ),
+    "gazebo_ros_joint_state_publisher": Conversion(
+        "JointStatePublisher",
+        {"joint_name": "joint_name", "update_rate": "update_rate"},
+        {"states": "topic"},
+        written=("update_rate",),
+    ),
+    "gazebo_ros_joint_pose_trajectory": Conversion(
+        "JointTrajectoryController", {}, {"command": "topic"}
+    ),
+    "gazebo_ros_p3d": Conversion(
+        "OdometryPublisher",
+        {
+            "frame_name": "odom_frame",
+            "body_name": "robot_base_frame",
+            "update_rate": "odom_publish_frequency",
+            "gaussian_noise": "gaussian_noise",
+            "xyz_offset": "xyz_offset",
+            "rpy_offset": "rpy_offset",
+            "xyz_offsets": "xyz_offset",
+            "rpy_offsets": "rpy_offset",
+        },
+        {"odometry": "odom_topic"},
+        written=("frame_name", "update_rate"),
+    ),
+    "LiftDragPlugin": Conversion(
+        "LiftDrag",
+        {
+            name: name
+            for name in (
+                *("air_density", "cla", "cla_stall", "cda", "cda_stall", "cma", "cma_stall"),
+                *("alpha_stall", "a0", "area", "upward", "forward", "link_name", "cp"),
+                *("radial_symmetry", "control_joint_name", "control_joint_rad_to_cl"),
+            )
+        },
+        {},
+    ),
+}
+# Parameters of the odometry of Classic's drives -> those of the publisher of Gazebo Sim, where the
+# odometry is the pose in the world.
+ODOMETRY = {"odometry_frame": "odom_frame", "robot_base_frame": "robot_base_frame"}
+# Likewise, those of Gazebo Sim's drives, which know it by their wheels.
+ODOMETRY_OF_WHEELS = {"odometry_frame": "frame_id", "robot_base_frame": "child_frame_id"}
+# What Ackermann drives of Gazebo Sim are told, and find out in Gazebo Classic.
+MEASURED = ("wheel_separation", "kingpin_width", "wheel_base", "wheel_radius")
+
+# Plugins of Gazebo Classic without a counterpart: what they do, and what to do.
+WITHOUT_COUNTERPART = {
+    "gazebo_ros_tricycle_drive": (
+        "drives a tricycle",
+        "Use gz_ros2_control with the tricycle_controller of ros2_controllers.",
+    ),
+    "gazebo_ros_control": (
+        "is the ros_control of ROS 1",
+        "Describe the joints in <ros2_control>, and load gz_ros2_control-system.",
+    ),
+    **dict.fromkeys(
+        ("gazebo_mimic_joint_plugin", "roboticsgroup_gazebo_mimic_joint_plugin"),
+        (
+            "has a joint follow another one",
+            "Write <mimic> into the <joint>: gz_ros2_control follows it.",
+        ),
+    ),
+    "gazebo_grasp_fix": (
+        "holds what a gripper has grasped",
+        "Use gz-sim-detachable-joint-system, or friction alone.",
+    ),
+    "gazebo_ros_force": (
+        "pushes a link as messages say",
+        "Use gz-sim-apply-link-wrench-system, and bridge its topic.",
+    ),
+    "gazebo_ros_vacuum_gripper": (
+        "attaches what a suction cup touches",
+        "Use gz-sim-detachable-joint-system.",
+    ),
+    "gazebo_ros_elevator": ("moves an elevator", "Use gz-sim-elevator-system."),
+    "gazebo_ros_harness": ("lets a model down on a rope", "Use a joint with a controller."),
+    "gazebo_ros_hand_of_god": (
+        "moves a model to a frame of tf",
+        "Use gz-sim-velocity-control-system.",
+    ),
+    "gazebo_ros_projector": ("projects a texture", "Use the <projector> of SDF."),
+    "gazebo_ros_video": ("shows images on a visual", "Show the images in RViz."),
+    "gazebo_ros_wheel_slip": (
+        "sets the slip of wheels",
+        "Use gz-sim-wheel-slip-system; its parameters have the same meaning.",
+    ),
+    "realsense_gazebo_plugin": (
+        "publishes what the cameras of a RealSense see",
+        "Write a sensor of the type rgbd_camera, with a <topic>, and bridge its topics.",
+    ),
+    "BuoyancyPlugin": ("has a model float", "Use gz-sim-buoyancy-system in the world."),
+    "DiffDrivePlugin": ("drives two wheels", "Use gz-sim-diff-drive-system."),
+    "LedPlugin": ("has lights blink", "Use gz-sim-led-plugin-system."),
+    "KeysToCmdVelPlugin": ("drives by the keyboard", "Use teleop_twist_keyboard."),
+    "RayPlugin": ("does nothing but to have a sensor measure", "Leave it out."),
+    "ContactPlugin": ("prints what a sensor touches", "Read the topic of the sensor."),
+}
+# Those of ROS 1 -> those that do the same in ROS 2.
+AS_IN_ROS_2 = {
+    "gazebo_ros_skid_steer_drive": "gazebo_ros_diff_drive",
+    **dict.fromkeys(
+        (
+            *("gazebo_ros_laser", "gazebo_ros_gpu_laser", "gazebo_ros_block_laser"),
+            "gazebo_ros_range",
+        ),
+        "gazebo_ros_ray_sensor",
+    ),
+    **dict.fromkeys(("gazebo_ros_imu", "hector_gazebo_ros_imu"), "gazebo_ros_imu_sensor"),
+    **dict.fromkeys(
+        ("gazebo_ros_depth_camera", "gazebo_ros_openni_kinect", "gazebo_ros_multicamera"),
+        "gazebo_ros_camera",
+    ),
+    "gazebo_ros_f3d": "gazebo_ros_ft_sensor",
+    "hector_gazebo_ros_gps": "gazebo_ros_gps_sensor",
+    **dict.fromkeys(
+        ("gazebo_ros_joint_pose_trajectory_plugin", "gazebo_ros_joint_trajectory"),
+        "gazebo_ros_joint_pose_trajectory",
+    ),
+}
+# Their parameters -> those of ROS 2, where snake case is not it.
+PARAMETERS_OF_ROS_1 = {
+    **dict.fromkeys(("torque", "wheelTorque"), "max_wheel_torque"),
+    "wheelAcceleration": "max_wheel_acceleration",
+    **dict.fromkeys(("leftFrontJoint", "leftRearJoint"), "left_joint"),
+    **dict.fromkeys(("rightFrontJoint", "rightRearJoint"), "right_joint"),
+    **dict.fromkeys(("publishTf", "publishOdomTF", "broadcastTF"), "publish_odom_tf"),
+    "publishWheelTF": "publish_wheel_tf",
+}
+# What messages a laser of ROS 1 sends; another one sends scans.
+TYPES_OF_ROS_1 = {
+    "gazebo_ros_block_laser": "sensor_msgs/PointCloud2",
+    "gazebo_ros_range": "sensor_msgs/Range",
+}
+
+# Types of sensors of Gazebo Classic -> those of Gazebo Sim; the element that describes them.
+SENSOR_TYPES = {
+    **dict.fromkeys(("ray", "gpu_ray"), "gpu_lidar"),
+    "gps": "navsat",
+    "depth": "rgbd_camera",
+}
+SENSOR_ELEMENTS = {"ray": "lidar", "gps": "navsat"}
+NO_TOPIC = "__default_topic__"  # that of sensors of Gazebo Classic which name none
+
+# Materials of Gazebo Classic that are textures.
+TEXTURED = frozenset(
+    f"Gazebo/{name}"
+    for name in (
+        *("Wood", "WoodFloor", "WoodPallet", "CeilingTiled", "PaintedWall", "Bricks", "Road"),
+        *("Residential", "Grass", "Pedestrian"),
+    )
+)
+# The specular colors of the materials of Gazebo Classic, where they are not 0.1 (gazebo.material).
+SPECULARS = {
+    **dict.fromkeys(("Gazebo/Grey", "Gazebo/Gray", "Gazebo/FlatBlack", "Gazebo/Road"), 0.01),
+    **dict.fromkeys(("Gazebo/Residential", "Gazebo/Pedestrian"), 0.01),
+    **dict.fromkeys(("Gazebo/DarkGrey", "Gazebo/DarkGray"), 0.175),
+    **dict.fromkeys(("Gazebo/Yellow", "Gazebo/DarkYellow", "Gazebo/YellowGlow"), 0.0),
+    **dict.fromkeys(("Gazebo/RedGlow", "Gazebo/WoodPallet"), 0.0),
+    **dict.fromkeys(("Gazebo/Wood", "Gazebo/Bricks"), 0.2),
+    "Gazebo/Gold": 0.4,
+    "Gazebo/Orange": 0.5,
 }
 
 

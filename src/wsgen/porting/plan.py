@@ -128,9 +128,7 @@ def _rows(
                     if process is None or process.file is None or process.line is None:
                         continue
                     here = found[real_path(process.file)][process.line]
-                    rows = bridge_rows(
-                        spawn.description, target, model=spawn.entity, world="default"
-                    )
+                    rows = bridge_rows(spawn.description, target)
                     here += [row for row in rows if row not in here]
     return found
 

@@ -1,0 +1,128 @@
+"""Robots and models for Gazebo Classic, as Gazebo Sim reads them: URDF, xacro and SDF."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wsgen.checks.fixes.source import SourceText
+from wsgen.gazebo.successors import SPECULARS, TEXTURED
+from wsgen.model.facts import ROS2_CONTROL_HARDWARE
+from wsgen.model.robot import GAZEBO_AMBIENTS, GAZEBO_COLORS
+from wsgen.model.target import CLASSIC
+from wsgen.porting.plugins import port_plugin
+from wsgen.porting.porter import Porter
+from wsgen.porting.sensors import goes_with_sensor, port_sensor
+from wsgen.porting.xml_edits import COMPUTED, Block
+
+if TYPE_CHECKING:
+    from wsgen.model.target import Target
+    from wsgen.porting.ported import BridgeRow, FilePort
+    from wsgen.porting.xml_edits import Node
+
+_ELSEWHERE = ("world", "gui", "actor")  # whose own plugins are not those of models
+_HARDWARE = re.escape(ROS2_CONTROL_HARDWARE[CLASSIC][1])
+_COMMENT_OR_HARDWARE = re.compile(rf"<!--.*?(?:-->|\Z)|\b({_HARDWARE})\b", re.DOTALL)
+_SPECULAR = 0.1
+
+
+def port_model(source: SourceText, target: Target) -> FilePort:
+    """Port what a text has of robots and models; of a world, what is in its models."""
+    return _port(source, target).finish()
+
+
+def bridge_rows(text: str, target: Target) -> list[BridgeRow]:
+    """The topics of ROS that a robot has for Gazebo Classic, and will have by a bridge.
+
+    Args:
+        text: The robot or model as Gazebo gets it: xacro has computed everything.
+        target: For what it is ported.
+    """
+    return _port(SourceText(Path("robot"), text), target).rows
+
+
+def _port(source: SourceText, target: Target) -> Porter:
+    port = Porter(source, target)
+    for node in port.nodes:
+        if node.name == "sensor":
+            port_sensor(port, node)
+        elif node.name == "plugin" and node.get("filename") and not goes_with_sensor(node):
+            holder = node.holder
+            if holder is None or holder.name not in _ELSEWHERE:
+                port_plugin(port, node)
+        elif node.name == "material":
+            _port_material(port, node)
+    for found in _COMMENT_OR_HARDWARE.finditer(source.text):
+        if found[1]:
+            port.editor.write(*found.span(1), target.ros2_control_hardware)
+            port.packages.add(target.ros2_control_hardware.partition("/")[0])
+    return port
+
+
+def _port_material(port: Porter, material: Node) -> None:
+    """Write the colors of a material of Gazebo Classic."""
+    holder = material.holder
+    script = material.find("script")
+    if holder is not None and holder.name == "gazebo" and not material.written:
+        if COMPUTED in material.text:
+            port.leave(
+                material,
+                f"xacro computes the name of the material: `{material.text}`.",
+                "Write <visual><material> with <ambient> and <diffuse>.",
+            )
+            return
+        blocks = _colors(port, material, material.text)
+        visual = holder.find("visual")
+        if not blocks:
+            port.editor.remove(material)
+        elif visual is None:
+            port.editor.replace(material, [Block("visual", [Block("material", blocks)])])
+        else:
+            if visual.find("material") is None:
+                port.editor.append(visual, Block("material", blocks))
+            port.editor.remove(material)
+    elif script is not None:
+        name = script.value("name")
+        if COMPUTED in name:
+            port.leave(
+                script,
+                f"xacro computes the name of the material: `{name}`.",
+                "Write <ambient> and <diffuse>.",
+            )
+            return
+        blocks = _colors(port, script, name)
+        if blocks:
+            missing = [one for one in blocks if material.find(one.name) is None]
+            port.editor.replace(script, missing)
+        else:
+            port.editor.comment_out(script)
+
+
+def _colors(port: Porter, node: Node, name: str) -> list[Block]:
+    """What Gazebo Sim has instead of the name of a material; nothing if only its author knows."""
+    diffuse = GAZEBO_COLORS.get(name)
+    if diffuse is None:
+        port.leave_once(
+            node,
+            f"Gazebo Sim does not read the script of the material `{name}`.",
+            "Write its colors into <ambient> and <diffuse>, and a texture into <pbr>.",
+        )
+        return []
+    if name in TEXTURED:
+        port.leave_once(
+            node,
+            f"The texture of `{name}` does not exist in Gazebo Sim; the color is like it.",
+            "Write a texture into <pbr> if you need one.",
+        )
+    specular = SPECULARS.get(name, _SPECULAR)
+    blocks = [
+        Block("ambient", _rgba(*GAZEBO_AMBIENTS.get(name, diffuse))),
+        Block("diffuse", _rgba(*diffuse)),
+        Block("specular", _rgba(specular, specular, specular, 1.0)),
+    ]
+    return [*blocks, Block("emissive", _rgba(*diffuse))] if name.endswith("Glow") else blocks
+
+
+def _rgba(*values: float) -> str:
+    return " ".join(f"{value:g}" for value in values)

@@ -1,0 +1,439 @@
+"""The plugins of models of Gazebo Classic, for Gazebo Sim."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wsgen.gazebo.plugins import TWO_WHEELS, simulator_of
+from wsgen.gazebo.successors import (
+    CONVERSIONS,
+    MEASURED,
+    ODOMETRY,
+    ODOMETRY_OF_WHEELS,
+    WITHOUT_COUNTERPART,
+)
+from wsgen.gazebo.systems import CONTROL, is_of_gz, systems
+from wsgen.model.target import CLASSIC
+from wsgen.porting.porter import (
+    TO_GAZEBO,
+    ClassicPlugin,
+    half,
+    link_of,
+    number,
+    product,
+)
+from wsgen.porting.xml_edits import COMPUTED, Block
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Mapping
+
+    from wsgen.gazebo.successors import Conversion
+    from wsgen.porting.porter import Porter
+    from wsgen.porting.xml_edits import Node
+
+DIFF, PLANAR = "gazebo_ros_diff_drive", "gazebo_ros_planar_move"
+STATES = ("gazebo_ros_joint_state_publisher", "joint-state-publisher", "ros2_control")
+_OF_CONTROL = "gz_ros2_control-system"
+# Of gazebo_ros2_control and of ROS 1.
+_NOT_OF_CONTROL = ("robot_sim_type", "robotSimType", "control_period", "robotNamespace")
+_REPEATED = ("left_joint", "right_joint", "joint_name")
+# Of these another element says the same once more.
+_AS_THE_FIRST = ("xyz_offset", "rpy_offset", "xyz_offsets", "rpy_offsets")
+_ACCELERATION = "max_wheel_acceleration"
+_BY_WHEELS = ("0", "encoder")  # where the odometry is from
+
+
+def port_plugin(port: Porter, node: Node) -> None:
+    """Port a plugin that is not in a sensor or a world."""
+    plugin = ClassicPlugin(node)
+    if plugin.stem in CONVERSIONS:
+        _convert(port, plugin, CONVERSIONS[plugin.stem])
+    elif plugin.stem in _OTHERS:
+        _OTHERS[plugin.stem](port, plugin)
+    elif plugin.own_stem in WITHOUT_COUNTERPART:
+        what, advice = WITHOUT_COUNTERPART[plugin.own_stem]
+        port.leave(node, f"`{plugin.filename}` {what}; Gazebo Sim does not load it.", advice)
+        _take_out(port, node)
+    elif simulator_of(plugin.filename) == CLASSIC or _is_library(node):
+        port.leave(
+            node,
+            f"`{plugin.filename}` is a plugin for Gazebo Classic, which Gazebo Sim does not load.",
+            "Write it for Gazebo Sim as a system, or use one of Gazebo Sim's.",
+        )
+    elif COMPUTED in plugin.filename and not is_of_gz(plugin.filename, node.get("name")):
+        port.leave(
+            node,
+            f"xacro computes the name of the plugin: `{plugin.filename}`.",
+            "Have it name a system of Gazebo Sim.",
+        )
+
+
+def _is_library(node: Node) -> bool:
+    """Whether a plugin is someone's own for Gazebo Classic: those of Gazebo Sim name a class."""
+    name, filename = node.get("name"), node.get("filename")
+    is_library = filename.startswith("lib") and filename.endswith(".so")
+    return is_library and "::" not in name and not is_of_gz(filename, name)
+
+
+def _take_out(port: Porter, node: Node) -> None:
+    """Remove what Gazebo Sim cannot load, or make a comment of it if it has parameters."""
+    if any(child.name != "ros" for child in node.children()):
+        port.editor.comment_out(node)
+    else:
+        port.editor.remove(node)
+
+
+def _become(port: Porter, node: Node, filename: str, name: str) -> None:
+    port.editor.set_attribute(node, "filename", filename)
+    port.editor.set_attribute(node, "name", name)
+
+
+def _system(name: str) -> tuple[str, str]:
+    """The file name and the name of a plugin, by its class."""
+    library = next(one for one, classes in systems().items() if name in classes)
+    return f"gz-sim-{library}-system", f"gz::sim::systems::{name}"
+
+
+def _new_plugin(system: str, content: list[Block]) -> Block:
+    filename, name = _system(system)
+    return Block("plugin", content, f'filename="{filename}" name="{name}"')
+
+
+def _convert(port: Porter, plugin: ClassicPlugin, made: Conversion) -> None:
+    """Write a plugin as a system that has most of its parameters."""
+    _become(port, plugin.node, *_system(made.system))
+    values: dict[str, str] = {}  # of parameters of the system
+    texts: dict[str, str] = {}  # of those parameters, as they were
+    lost: dict[str, list[str]] = {}  # by what to do
+    for name, node in plugin.parameters():
+        new = made.renamed.get(name)
+        if node.name.startswith("xacro:") or name == _ACCELERATION:
+            continue
+        if new is not None and (new not in values or new in _REPEATED):
+            values[new], texts[new] = _renamed(port, node, name, new), node.text
+            continue
+        if new is not None and name not in _AS_THE_FIRST and node.text != texts[new]:
+            lost.setdefault("Write a plugin for each pair of wheels.", []).append(node.name)
+        elif name in made.lost and node.text != plugin.default(name):
+            lost.setdefault(made.lost[name], []).append(node.name)
+        if plugin.facts.parameters or name == "ros":
+            port.editor.remove(node)
+    for name in made.written:
+        new = made.renamed[name]
+        if new not in values:
+            text = plugin.default(name)
+            values[new] = half(text) or text if name == "wheel_diameter" else text
+            port.editor.append(plugin.node, Block(new, values[new]))
+    _list_lost(port, plugin, lost)
+    _name_topics(port, plugin, made.topics)
+    more = _MORE.get(plugin.stem)
+    if more is not None:
+        more(port, plugin, values)
+
+
+def _list_lost(port: Porter, plugin: ClassicPlugin, lost: dict[str, list[str]]) -> None:
+    for advice, names in lost.items():
+        tags = [f"<{one}>" for one in dict.fromkeys(names)]
+        verb = "does" if len(tags) == 1 else "do"
+        what = f"Its {', '.join(tags)} {verb} not exist in Gazebo Sim."
+        port.leave(plugin.node, what, advice)
+
+
+def _renamed(port: Porter, node: Node, name: str, new: str) -> str:
+    """Rename a parameter, and convert its value; the value."""
+    text = node.text
+    if name == "joint_name" and "," in text:  # of ROS 1
+        first, *others = (one.strip() for one in text.split(","))
+        port.editor.set_text(node, first)
+        port.editor.rename(node, new)
+        port.editor.add_behind(node, *(Block(new, one) for one in others if one))
+        return first
+    if name == "wheel_diameter":
+        radius = half(text)
+        if radius is None:
+            port.leave(node, f"<{node.name}> is `{text}`.", "Write half of it into <wheel_radius>.")
+            return text
+        port.editor.set_text(node, radius)
+        text = radius
+    port.editor.rename(node, new)
+    return text
+
+
+def _names(plugin: ClassicPlugin) -> dict[str, str]:
+    """The topics that a plugin has in ROS, by what they are for."""
+    texts = {name: "true" if plugin.holds(name) else "false" for name in plugin.facts.parameters}
+    said: dict[str, str] = {}
+    if plugin.is_of_ros_1:
+        texts["publish_odom"] = "true"
+        if plugin.find("publish_odom_tf") is None:
+            texts["publish_odom_tf"] = "true"
+        command = plugin.value("command_topic") or plugin.value("topic_name")
+        topic = plugin.value("topic_name") if plugin.stem not in (DIFF, PLANAR) else ""
+        said = {
+            "command": command,
+            "odometry": plugin.value("odometry_topic") or topic,
+            "wrench": topic,
+            "states": topic,
+        }
+    unnamed: dict[str, str | None] = {}
+    found = {}
+    for use, _, name in plugin.facts.topic_names(texts.get, unnamed):
+        if name is not None:
+            found[use] = plugin.topics.resolve(said.get(use) or name)
+    if texts.get("publish_odom_tf") == "false":
+        found.pop("tf", None)  # of wheels
+    return found
+
+
+def _name_topics(port: Porter, plugin: ClassicPlugin, parameters: Mapping[str, str]) -> None:
+    """Write the names of topics, and have them bridged."""
+    names = _names(plugin)
+    for use, parameter in parameters.items():
+        if use in names:
+            port.editor.append(plugin.node, Block(parameter, names[use]))
+    for use, name in names.items():
+        if use in _TYPES and use in parameters:
+            gz_type, way = _TYPES[use]
+            port.bridge(name, gz_type, name, way=way)
+
+
+_TYPES = {
+    "odometry": ("Odometry", "["),
+    "tf": ("Pose_V", "["),
+    "states": ("Model", "["),
+    "command": ("Twist", TO_GAZEBO),
+}
+
+
+def _odometry(
+    port: Porter, plugin: ClassicPlugin, parameters: dict[str, str], rate: str
+) -> list[Block]:
+    """What publishes odometry under the names of Gazebo Classic; nothing if that does not."""
+    names = _names(plugin)
+    by_use = {"odometry": "odom_topic", "tf": "tf_topic"}
+    blocks = [Block(by_use[use], names[use]) for use in by_use if use in names]
+    for use in by_use:
+        if use in names:
+            port.bridge(names[use], _TYPES[use][0], names[use])
+    if blocks:
+        blocks += [
+            Block(new, plugin.value(name, plugin.default(name))) for name, new in parameters.items()
+        ]
+        blocks.append(Block("odom_publish_frequency", rate))
+    return blocks
+
+
+def _diff_drive(port: Porter, plugin: ClassicPlugin, values: dict[str, str]) -> None:
+    _limit_acceleration(port, plugin, values["wheel_separation"])
+    rate = plugin.value("update_rate", plugin.default("update_rate"))
+    if plugin.value("odometry_source") in _BY_WHEELS:
+        port.editor.append(plugin.node, *_odometry(port, plugin, ODOMETRY_OF_WHEELS, rate))
+    else:
+        _publish_world_odometry(port, plugin, rate)
+    _publish_wheels(port, plugin, TWO_WHEELS)
+
+
+def _limit_acceleration(port: Porter, plugin: ClassicPlugin, separation: str) -> None:
+    """That of the rims of the wheels, for going ahead and for turning on the spot."""
+    node = plugin.find(_ACCELERATION)
+    if node is None:
+        return
+    if not node.text or number(node.text) == 0:
+        port.editor.remove(node)
+        return
+    bounds = [product(-1, node.text), *(product(sign, node.text, separation) for sign in (2, -2))]
+    if None in bounds:
+        port.editor.remove(node)
+        port.leave(
+            node,
+            f"<{node.name}> is `{node.text}`.",
+            "Write <max_linear_acceleration> and <max_angular_acceleration>.",
+        )
+        return
+    names = ("min_linear", "max_angular", "min_angular")
+    port.editor.rename(node, "max_linear_acceleration")
+    port.editor.add_behind(
+        node,
+        *(
+            Block(f"{name}_acceleration", text or "")
+            for name, text in zip(names, bounds, strict=True)
+        ),
+    )
+
+
+def _publish_world_odometry(port: Porter, plugin: ClassicPlugin, rate: str) -> None:
+    """Add what publishes where the robot is in the world, as drives of Gazebo Classic do."""
+    blocks = _odometry(port, plugin, ODOMETRY, rate)
+    if blocks:
+        port.editor.add_behind(plugin.node, _new_plugin("OdometryPublisher", blocks))
+
+
+def _publish_wheels(port: Porter, plugin: ClassicPlugin, tags: Collection[str]) -> None:
+    """Add what publishes the joints of wheels, whose transforms the plugin has published."""
+    if not (plugin.holds("publish_wheel_tf") or plugin.holds("publish_wheel_joint_state")):
+        return
+    if any(
+        one.name == "plugin" and any(name in one.get("filename") for name in STATES)
+        for one in port.nodes
+    ):
+        return
+    topic = plugin.topics.resolve("joint_states")
+    joints = [node.text for tag in tags for node in plugin.all(tag)]
+    content = [Block("topic", topic), *(Block("joint_name", one) for one in joints)]
+    content.append(Block("update_rate", plugin.value("update_rate", plugin.default("update_rate"))))
+    port.editor.add_behind(plugin.node, _new_plugin("JointStatePublisher", content))
+    port.bridge(topic, "Model", topic)
+    port.leave(
+        plugin.node,
+        "It published the transforms of the wheels; Gazebo Sim publishes the joints.",
+        "Start robot_state_publisher, if no launch file does: it makes transforms of them.",
+    )
+
+
+def _planar_move(port: Porter, plugin: ClassicPlugin, _: dict[str, str]) -> None:
+    rate = plugin.value("publish_rate", plugin.default("publish_rate"))
+    _publish_world_odometry(port, plugin, rate)
+
+
+def _ackermann(port: Porter, plugin: ClassicPlugin, values: dict[str, str]) -> None:
+    if least := product(-1, values["max_velocity"]):
+        port.editor.append(plugin.node, Block("min_velocity", least))
+    rate = plugin.value("update_rate", plugin.default("update_rate"))
+    _publish_world_odometry(port, plugin, rate)
+    port.leave(
+        plugin.node,
+        "Gazebo Classic finds the sizes of the car in its model; Gazebo Sim is told them.",
+        f"Write {', '.join(f'<{one}>' for one in MEASURED)} into the plugin, in meters.",
+    )
+    port.leave(
+        plugin.node,
+        "`angular.z` of the commands is the angle of the front wheels in Gazebo Classic, and how "
+        "fast the car turns in Gazebo Sim.",
+        "Change what sends the commands, or use an ackermann_steering_controller.",
+    )
+
+
+def _ground_truth(port: Porter, plugin: ClassicPlugin, values: dict[str, str]) -> None:
+    port.editor.append(plugin.node, Block("dimensions", "3"))
+    if plugin.value("frame_name") not in ("", "world", "map", "/world", "/map"):
+        port.leave(
+            plugin.node,
+            f"The pose is that in the world, and no longer that in `{values['odom_frame']}`.",
+            "Compute the pose with tf2.",
+        )
+
+
+def _trajectory(port: Porter, plugin: ClassicPlugin, _: dict[str, str]) -> None:
+    topic = _names(plugin)["command"]
+    port.rows.remove(port.rows[-1])  # not a twist
+    port.bridge(topic, "JointTrajectory", topic, way=TO_GAZEBO)
+    port.leave(
+        plugin.node,
+        "Gazebo Classic sets the positions of the joints; Gazebo Sim moves them by a controller.",
+        "Write <joint_name>, <position_p_gain>, <position_i_gain> and <position_d_gain> of each "
+        "joint into the plugin.",
+    )
+
+
+_MORE: dict[str, Callable[[Porter, ClassicPlugin, dict[str, str]], None]] = {
+    DIFF: _diff_drive,
+    PLANAR: _planar_move,
+    "gazebo_ros_ackermann_drive": _ackermann,
+    "gazebo_ros_p3d": _ground_truth,
+    "gazebo_ros_joint_pose_trajectory": _trajectory,
+}
+
+
+def _control(port: Porter, plugin: ClassicPlugin) -> None:
+    """ros2_control, whose plugin has almost the same parameters."""
+    _become(port, plugin.node, _OF_CONTROL, CONTROL[_OF_CONTROL])
+    port.packages.add("gz_ros2_control")
+    for node in plugin.node.children(*_NOT_OF_CONTROL):
+        port.editor.remove(node)
+
+
+def _force_torque(port: Porter, plugin: ClassicPlugin) -> None:
+    """A sensor of the joint takes the place of the plugin."""
+    joint = plugin.value("joint_name")
+    owner = next(
+        (one for one in port.nodes if one.name == "joint" and one.get("name") == joint), None
+    )
+    if not joint or (owner is None and not plugin.node.is_in("robot")):
+        port.leave(
+            plugin.node,
+            f"`{plugin.filename}` measures what a link carries; Gazebo Sim measures joints.",
+            "Write a sensor of the type force_torque into a joint.",
+        )
+        _take_out(port, plugin.node)
+        return
+    child = next((one for one in owner.children("child")), None) if owner is not None else None
+    frame = (child.get("link") or child.text) if child is not None else ""
+    topic = _names(plugin)["wrench"]
+    content = [
+        Block("always_on", "true"),
+        Block("update_rate", plugin.value("update_rate", "0")),
+        Block("topic", topic),
+    ]
+    if frame:
+        content.append(Block(port.target.frame_tag, frame))
+    content.append(
+        Block(
+            "force_torque",
+            [Block("frame", "child"), Block("measure_direction", "child_to_parent")],
+        )
+    )
+    name = plugin.node.get("name")
+    sensor = Block("sensor", content, f'name="{name}" type="force_torque"')
+    _put_sensor(port, plugin, sensor, joint, owner)
+    port.systems.add("ForceTorque")
+    port.bridge(topic, "Wrench", topic)
+
+
+def _put_sensor(
+    port: Porter, plugin: ClassicPlugin, sensor: Block, reference: str, owner: Node | None
+) -> None:
+    """Write a sensor in the place of a plugin: into what it is for, or a <gazebo> for that."""
+    around = plugin.node.holder
+    if not plugin.node.is_in("robot") and owner is not None:
+        port.editor.append(owner, sensor)
+        port.editor.remove(plugin.node)
+        return
+    block = Block("gazebo", [sensor], f'reference="{reference}"')
+    if around is None or around.name != "gazebo":
+        port.editor.replace(plugin.node, [block])
+    elif len(around.written) == 1:
+        port.editor.replace(around, [block])
+    else:
+        port.editor.remove(plugin.node)
+        port.editor.add_behind(around, block)
+
+
+def _imu(port: Porter, plugin: ClassicPlugin) -> None:
+    """An IMU of ROS 1 that is a plugin of the model."""
+    link = plugin.value("body_name") or link_of(plugin.node)
+    topic = plugin.topics.expand(plugin.value("topic_name") or "imu")
+    if not link or not plugin.node.is_in("robot"):
+        port.leave(
+            plugin.node,
+            f"`{plugin.filename}` is not in a sensor.",
+            "Write a sensor of the type imu into the link.",
+        )
+        return
+    content = [
+        Block("always_on", "true"),
+        Block("update_rate", plugin.value("update_rate", "0")),
+        Block("topic", topic),
+        Block(port.target.frame_tag, plugin.value("frame_name") or link),
+    ]
+    name = plugin.node.get("name")
+    sensor = Block("sensor", content, f'name="{name}" type="imu"')
+    _put_sensor(port, plugin, sensor, link, None)
+    port.systems.add("Imu")
+    port.bridge(topic, "IMU", topic)
+
+
+_OTHERS: dict[str, Callable[[Porter, ClassicPlugin], None]] = {
+    "gazebo_ros2_control": _control,
+    "gazebo_ros_ft_sensor": _force_torque,
+    "gazebo_ros_imu_sensor": _imu,
+}

@@ -1,0 +1,185 @@
+"""What the ports of one file's plugins, sensors and materials share."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from wsgen.gazebo.bridged_types import PAIRS
+from wsgen.gazebo.plugins import PLUGINS, TRUE, GazeboPlugin, stem
+from wsgen.gazebo.successors import AS_IN_ROS_2, PARAMETERS_OF_ROS_1
+from wsgen.porting.ported import BridgeRow, FilePort, Unported
+from wsgen.porting.topics import Topics, absolute
+from wsgen.porting.xml_edits import COMPUTED, Editor, Node, read_nodes
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from wsgen.checks.fixes.source import SourceText
+    from wsgen.model.target import Target
+
+FROM_GAZEBO, TO_GAZEBO = "[", "]"
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+_EXPRESSION = re.compile(r"\$\{([^{}]*)\}")
+_ARGUMENT = re.compile(r"\$\(arg\s+(\w+)\)")
+_TWICE = re.compile(r"\s*(?:2(?:\.0*)?\s*\*\s*([\w.]+)|([\w.]+)\s*\*\s*2(?:\.0*)?)\s*")
+
+
+class Porter:
+    """The port of a file, as far as it is made."""
+
+    def __init__(self, source: SourceText, target: Target) -> None:
+        self.source = source
+        self.target = target
+        self.nodes = read_nodes(source)
+        self.editor = Editor(source)
+        self.unported: list[Unported] = []
+        self.packages: set[str] = set()
+        self.systems: set[str] = set()
+        self.rows: list[BridgeRow] = []
+
+    def finish(self) -> FilePort:
+        """What becomes of the file."""
+        return FilePort(
+            edits=self.editor.finish(),
+            unported=tuple(self.unported),
+            packages=frozenset(self.packages),
+            systems=frozenset(self.systems),
+        )
+
+    def leave(self, node: Node, what: str, advice: str) -> None:
+        """List what the author has to port."""
+        self.unported.append(Unported(self.source.file, node.line, what, advice))
+
+    def leave_once(self, node: Node, what: str, advice: str) -> None:
+        """List what is in many places of the file, at the first of them."""
+        if all(one.what != what for one in self.unported):
+            self.leave(node, what, advice)
+
+    def bridge(
+        self, gz_topic: str, gz_type: str, ros_topic: str, *, ros_type: str = "", way: str = "["
+    ) -> None:
+        """Have a topic converted, to the usual type of ROS unless another is given."""
+        package, _, name = (ros_type or PAIRS[gz_type][0]).partition("/")
+        row = BridgeRow(
+            absolute(gz_topic), gz_type, f"{package}/msg/{name}", way, absolute(ros_topic)
+        )
+        if row not in self.rows:
+            self.rows.append(row)
+
+
+class ClassicPlugin:
+    """A plugin of Gazebo Classic, with its parameters as ROS 2 names them."""
+
+    def __init__(self, node: Node) -> None:
+        self.node = node
+        self.filename = node.get("filename")
+        self.own_stem = stem(self.filename)
+        self.stem = AS_IN_ROS_2.get(self.own_stem, self.own_stem)
+        self.facts = PLUGINS.get(self.stem, GazeboPlugin())
+        self.topics = Topics(node)
+        self.is_of_ros_1 = self.own_stem in AS_IN_ROS_2 or self._lacks_names_of_ros_2()
+
+    def _lacks_names_of_ros_2(self) -> bool:
+        """Whether it has what a plugin cannot do without only under the names of ROS 1."""
+        names = {child.name for child in self.node.children()}
+        required = set(self.facts.required)
+        return bool(required) and not required & names and required <= set(map(_ros_2_name, names))
+
+    def parameters(self) -> Iterator[tuple[str, Node]]:
+        """Its parameters, in their order, with the names that they have in ROS 2."""
+        for child in self.node.children():
+            yield _ros_2_name(child.name) if self.is_of_ros_1 else child.name, child
+
+    def all(self, name: str) -> list[Node]:
+        """All elements of a parameter."""
+        return [node for known, node in self.parameters() if known == name]
+
+    def find(self, name: str) -> Node | None:
+        """The first element of a parameter."""
+        return next(iter(self.all(name)), None)
+
+    def value(self, name: str, default: str = "") -> str:
+        """The text of a parameter, or its default."""
+        found = self.find(name)
+        return (found.text if found is not None else "") or default
+
+    def default(self, name: str) -> str:
+        """The default of a parameter as it is written."""
+        known = self.facts.parameters.get(name)
+        if isinstance(known, tuple):
+            return " ".join(f"{one:g}" for one in known)
+        return f"{known:g}" if isinstance(known, float) else str("" if known is None else known)
+
+    def holds(self, name: str) -> bool:
+        """Whether a parameter is true, or may be."""
+        text = self.value(name)
+        if COMPUTED in text:
+            return True
+        return text.lower() in TRUE if text else bool(self.facts.parameters.get(name))
+
+
+def _ros_2_name(name: str) -> str:
+    found = PARAMETERS_OF_ROS_1.get(name)
+    return found or re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
+
+
+def number(text: str) -> float | None:
+    """The number that a text is, if xacro does not compute it."""
+    return float(text) if _NUMBER.fullmatch(text) else None
+
+
+def written(value: float) -> str:
+    """A number as people write it."""
+    return f"{value + 0.0:.10g}"
+
+
+def _term(text: str) -> str | None:
+    """A text as a part of an expression of xacro; None where it cannot be one."""
+    if _NUMBER.fullmatch(text):
+        return text
+    expression, argument = _EXPRESSION.fullmatch(text), _ARGUMENT.fullmatch(text)
+    if argument is not None:
+        return f"float(xacro.arg('{argument[1]}'))"
+    if expression is None or not expression[1].strip():
+        return None
+    inner = expression[1].strip()
+    return inner if re.fullmatch(r"[\w.]+", inner) else f"({inner})"
+
+
+def product(factor: int, text: str, divisor: str = "1") -> str | None:
+    """A number times a parameter, divided by another one; None where one is not plain."""
+    value, below = number(text), number(divisor)
+    if value is not None and below:
+        return written(factor * value / below)
+    top, bottom = _term(text), _term(divisor)
+    if top is None or bottom is None or below == 0:
+        return None
+    if value is not None:
+        above = written(factor * value)
+    else:
+        above = f"-{top}" if factor == -1 else f"{factor}*{top}"
+    return f"${{{above}}}" if below == 1 else f"${{{above}/{bottom}}}"
+
+
+def half(text: str) -> str | None:
+    """Half of a number, or of what xacro computes; None where that is not plain."""
+    value = number(text)
+    if value is not None:
+        return written(value / 2)
+    expression = _EXPRESSION.fullmatch(text)
+    twice = _TWICE.fullmatch(expression[1]) if expression else None
+    if twice is not None:
+        return f"${{{twice[1] or twice[2]}}}"
+    inner = _term(text)
+    return None if inner is None else f"${{{inner}/2}}"
+
+
+def link_of(node: Node) -> str:
+    """The link that has a sensor; an empty text where the text does not show it."""
+    for around in node.ancestors():
+        if around.name == "gazebo":
+            return around.get("reference")
+        if around.name == "link":
+            return around.get("name")
+    return ""

@@ -1,0 +1,686 @@
+"""Robots and models for Gazebo Classic become such for Gazebo Sim; nothing else changes."""
+
+# ruff: noqa: E501  elements as people write them
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from textwrap import dedent
+from typing import TYPE_CHECKING
+
+import pytest
+
+from wsgen.checks.fixes.source import SourceText, apply, overlap
+from wsgen.model.target import choose_target
+from wsgen.porting.models import bridge_rows, port_model
+
+if TYPE_CHECKING:
+    from wsgen.model.target import Target
+
+JAZZY, KILTED = choose_target("jazzy", "gz"), choose_target("kilted", "gz")
+FILE = Path("robot.urdf.xacro")
+
+DIFF_DRIVE = """
+<robot>
+  <gazebo>
+    <!-- how it drives -->
+    <plugin name="drive" filename="libgazebo_ros_diff_drive.so">
+      <ros>
+        <namespace>demo</namespace>
+        <!-- <remapping>cmd_vel:=other</remapping> -->
+        <remapping>odom:=wheel_odom</remapping>
+      </ros>
+      <update_rate>30</update_rate>
+      <left_joint>${prefix}left</left_joint>  <!-- seen from behind -->
+      <right_joint>${prefix}right</right_joint>
+
+      <wheel_separation>0.5</wheel_separation>
+      <wheel_diameter>${2*radius}</wheel_diameter>
+
+      <max_wheel_torque>20</max_wheel_torque>
+      <max_wheel_acceleration>1.5</max_wheel_acceleration>
+      <command_topic>cmd_vel</command_topic>
+      <odometry_source>0</odometry_source>
+      <publish_odom>true</publish_odom>
+      <publish_odom_tf>true</publish_odom_tf>
+      <odometry_frame>odom</odometry_frame>
+      <robot_base_frame>base_link</robot_base_frame>
+    </plugin>
+  </gazebo>
+</robot>
+"""
+DIFF_DRIVE_AFTER = """
+<robot>
+  <gazebo>
+    <!-- how it drives -->
+    <plugin name="gz::sim::systems::DiffDrive" filename="gz-sim-diff-drive-system">
+      <!-- <remapping>cmd_vel:=other</remapping> -->
+      <left_joint>${prefix}left</left_joint>  <!-- seen from behind -->
+      <right_joint>${prefix}right</right_joint>
+
+      <wheel_separation>0.5</wheel_separation>
+      <wheel_radius>${radius}</wheel_radius>
+
+      <max_linear_acceleration>1.5</max_linear_acceleration>
+      <min_linear_acceleration>-1.5</min_linear_acceleration>
+      <max_angular_acceleration>6</max_angular_acceleration>
+      <min_angular_acceleration>-6</min_angular_acceleration>
+      <topic>/demo/cmd_vel</topic>
+      <odom_topic>/demo/wheel_odom</odom_topic>
+      <tf_topic>/tf</tf_topic>
+      <frame_id>odom</frame_id>
+      <child_frame_id>base_link</child_frame_id>
+      <odom_publish_frequency>30</odom_publish_frequency>
+    </plugin>
+  </gazebo>
+</robot>
+"""
+SKID_STEER_OF_ROS_1 = """
+<robot>
+	<gazebo>
+		<plugin name="skid" filename="libgazebo_ros_skid_steer_drive.so">
+			<robotNamespace>/</robotNamespace>
+			<updateRate>50</updateRate>
+			<leftFrontJoint>fl</leftFrontJoint>
+			<rightFrontJoint>fr</rightFrontJoint>
+			<leftRearJoint>rl</leftRearJoint>
+			<rightRearJoint>rr</rightRearJoint>
+			<wheelSeparation>0.4</wheelSeparation>
+			<wheelDiameter>0.2</wheelDiameter>
+			<commandTopic>cmd</commandTopic>
+			<broadcastTF>false</broadcastTF>
+		</plugin>
+	</gazebo>
+</robot>
+"""
+SKID_STEER_AFTER = """
+<robot>
+	<gazebo>
+		<plugin name="gz::sim::systems::DiffDrive" filename="gz-sim-diff-drive-system">
+			<left_joint>fl</left_joint>
+			<right_joint>fr</right_joint>
+			<left_joint>rl</left_joint>
+			<right_joint>rr</right_joint>
+			<wheel_separation>0.4</wheel_separation>
+			<wheel_radius>0.1</wheel_radius>
+			<topic>/cmd</topic>
+		</plugin>
+		<plugin filename="gz-sim-odometry-publisher-system" name="gz::sim::systems::OdometryPublisher">
+			<odom_topic>/odom</odom_topic>
+			<odom_frame>odom</odom_frame>
+			<robot_base_frame>base_footprint</robot_base_frame>
+			<odom_publish_frequency>50</odom_publish_frequency>
+		</plugin>
+	</gazebo>
+</robot>
+"""
+
+
+def in_robot(text: str) -> str:
+    """A robot with this in it."""
+    inner = "".join(f"  {line}\n" for line in dedent(text).strip().splitlines())
+    return f"<robot>\n{inner}</robot>\n"
+
+
+def in_link(text: str) -> str:
+    """A robot with this for a link."""
+    inner = "".join(f"  {line}\n" for line in dedent(text).strip().splitlines())
+    return in_robot(f'<gazebo reference="camera_link">\n{inner}</gazebo>')
+
+
+# What is ported -> what becomes of it, and its topics of ROS with their types, and of Gazebo if
+# these are others.
+PLUGINS = {
+    "joint states": (
+        """
+        <gazebo>
+          <plugin name="states" filename="libgazebo_ros_joint_state_publisher.so">
+            <ros><remapping>~/out:=joint_states</remapping></ros>
+            <joint_name>a</joint_name>
+          </plugin>
+        </gazebo>
+        """,
+        """
+        <gazebo>
+          <plugin name="gz::sim::systems::JointStatePublisher" filename="gz-sim-joint-state-publisher-system">
+            <joint_name>a</joint_name>
+            <update_rate>100</update_rate>
+            <topic>/joint_states</topic>
+          </plugin>
+        </gazebo>
+        """,
+        ["/joint_states sensor_msgs/msg/JointState"],
+    ),
+    "planar move": (
+        """
+        <gazebo>
+          <plugin name="move" filename="libgazebo_ros_planar_move.so"/>
+        </gazebo>
+        """,
+        """
+        <gazebo>
+          <plugin name="gz::sim::systems::VelocityControl" filename="gz-sim-velocity-control-system">
+            <topic>/cmd_vel</topic>
+          </plugin>
+          <plugin filename="gz-sim-odometry-publisher-system" name="gz::sim::systems::OdometryPublisher">
+            <odom_topic>/odom</odom_topic>
+            <tf_topic>/tf</tf_topic>
+            <odom_frame>odom</odom_frame>
+            <robot_base_frame>base_footprint</robot_base_frame>
+            <odom_publish_frequency>20</odom_publish_frequency>
+          </plugin>
+        </gazebo>
+        """,
+        [
+            "/cmd_vel geometry_msgs/msg/Twist",
+            "/odom nav_msgs/msg/Odometry",
+            "/tf tf2_msgs/msg/TFMessage",
+        ],
+    ),
+    "p3d": (
+        """
+        <gazebo>
+          <plugin name="truth" filename="libgazebo_ros_p3d.so">
+            <ros>
+              <namespace>$(arg ns)</namespace>
+              <remapping>odom:=truth</remapping>
+            </ros>
+            <body_name>base_link</body_name>
+            <xyz_offsets>0 0 1</xyz_offsets>
+            <update_rate>10</update_rate>
+          </plugin>
+        </gazebo>
+        """,
+        """
+        <gazebo>
+          <plugin name="gz::sim::systems::OdometryPublisher" filename="gz-sim-odometry-publisher-system">
+            <robot_base_frame>base_link</robot_base_frame>
+            <xyz_offset>0 0 1</xyz_offset>
+            <odom_publish_frequency>10</odom_publish_frequency>
+            <odom_frame>world</odom_frame>
+            <odom_topic>$(arg ns)/truth</odom_topic>
+            <dimensions>3</dimensions>
+          </plugin>
+        </gazebo>
+        """,
+        None,
+    ),
+    "ros2_control": (
+        """
+        <ros2_control name="system" type="system">
+          <hardware>
+            <!-- gazebo_ros2_control/GazeboSystem -->
+            <plugin>gazebo_ros2_control/GazeboSystem</plugin>
+          </hardware>
+        </ros2_control>
+        <gazebo>
+          <plugin filename="libgazebo_ros2_control.so" name="gazebo_ros2_control">
+            <robot_sim_type>gazebo_ros2_control/GazeboSystem</robot_sim_type>
+            <parameters>$(find demo)/config/controllers.yaml</parameters>
+          </plugin>
+        </gazebo>
+        """,
+        """
+        <ros2_control name="system" type="system">
+          <hardware>
+            <!-- gazebo_ros2_control/GazeboSystem -->
+            <plugin>gz_ros2_control/GazeboSimSystem</plugin>
+          </hardware>
+        </ros2_control>
+        <gazebo>
+          <plugin filename="gz_ros2_control-system" name="gz_ros2_control::GazeboSimROS2ControlPlugin">
+            <parameters>$(find demo)/config/controllers.yaml</parameters>
+          </plugin>
+        </gazebo>
+        """,
+        [],
+    ),
+    "force and torque": (
+        """
+        <joint name="wrist" type="revolute">
+          <child link="hand"/>
+        </joint>
+        <gazebo>
+          <plugin name="ft" filename="libgazebo_ros_ft_sensor.so">
+            <update_rate>50</update_rate>
+            <joint_name>wrist</joint_name>
+          </plugin>
+        </gazebo>
+        """,
+        """
+        <joint name="wrist" type="revolute">
+          <child link="hand"/>
+        </joint>
+        <gazebo reference="wrist">
+          <sensor name="ft" type="force_torque">
+            <always_on>true</always_on>
+            <update_rate>50</update_rate>
+            <topic>/wrench</topic>
+            <gz_frame_id>hand</gz_frame_id>
+            <force_torque>
+              <frame>child</frame>
+              <measure_direction>child_to_parent</measure_direction>
+            </force_torque>
+          </sensor>
+        </gazebo>
+        """,
+        ["/wrench geometry_msgs/msg/WrenchStamped"],
+    ),
+    "material": (
+        """
+        <gazebo reference="base_link">
+          <mu1>0.2</mu1>
+          <material>Gazebo/Grey</material>
+        </gazebo>
+        """,
+        """
+        <gazebo reference="base_link">
+          <mu1>0.2</mu1>
+          <visual>
+            <material>
+              <ambient>0.3 0.3 0.3 1</ambient>
+              <diffuse>0.7 0.7 0.7 1</diffuse>
+              <specular>0.01 0.01 0.01 1</specular>
+            </material>
+          </visual>
+        </gazebo>
+        """,
+        [],
+    ),
+    "script of a material": (
+        """
+        <visual name="v">
+          <material>
+            <script>
+              <uri>file://media/materials/scripts/gazebo.material</uri>
+              <name>Gazebo/Orange</name>
+            </script>
+            <ambient>1 0 0 1</ambient>
+          </material>
+        </visual>
+        """,
+        """
+        <visual name="v">
+          <material>
+            <diffuse>1 0.5088 0.0468 1</diffuse>
+            <specular>0.5 0.5 0.5 1</specular>
+            <ambient>1 0 0 1</ambient>
+          </material>
+        </visual>
+        """,
+        [],
+    ),
+}
+SENSORS = {
+    "imu": (
+        """
+        <sensor name="imu" type="imu">
+          <topic>__default_topic__</topic>
+          <plugin name="imu_plugin" filename="libgazebo_ros_imu_sensor.so"/>
+        </sensor>
+        """,
+        """
+        <sensor name="imu" type="imu">
+          <topic>/imu_plugin/out</topic>
+          <imu>
+            <orientation_reference_frame>
+              <localization>ENU</localization>
+            </orientation_reference_frame>
+          </imu>
+          <gz_frame_id>camera_link</gz_frame_id>
+        </sensor>
+        """,
+        ["/imu_plugin/out sensor_msgs/msg/Imu"],
+    ),
+    "scan": (
+        """
+        <sensor name="lidar" type="ray">
+          <ray><range><max>5</max></range></ray>
+          <plugin name="scan" filename="libgazebo_ros_ray_sensor.so">
+            <ros><remapping>~/out:=scan</remapping></ros>
+            <output_type>sensor_msgs/LaserScan</output_type>
+            <frame_name>laser</frame_name>
+          </plugin>
+        </sensor>
+        """,
+        """
+        <sensor name="lidar" type="gpu_lidar">
+          <lidar><range><max>5</max></range></lidar>
+          <topic>/scan</topic>
+          <gz_frame_id>laser</gz_frame_id>
+        </sensor>
+        """,
+        ["/scan sensor_msgs/msg/LaserScan"],
+    ),
+    "cloud": (
+        """
+        <sensor name="lidar" type="gpu_ray">
+          <plugin name="velodyne" filename="libgazebo_ros_ray_sensor.so"/>
+        </sensor>
+        """,
+        """
+        <sensor name="lidar" type="gpu_lidar">
+          <topic>/velodyne/out</topic>
+          <gz_frame_id>camera_link</gz_frame_id>
+        </sensor>
+        """,
+        ["/velodyne/out sensor_msgs/msg/PointCloud2 /velodyne/out/points"],
+    ),
+    "cloud that is called points": (
+        """
+        <sensor name="lidar" type="gpu_ray">
+          <plugin name="velodyne" filename="libgazebo_ros_ray_sensor.so">
+            <ros><remapping>~/out:=/velodyne/points</remapping></ros>
+          </plugin>
+        </sensor>
+        """,
+        """
+        <sensor name="lidar" type="gpu_lidar">
+          <topic>/velodyne</topic>
+          <gz_frame_id>camera_link</gz_frame_id>
+        </sensor>
+        """,
+        ["/velodyne/points sensor_msgs/msg/PointCloud2"],
+    ),
+    "laser of ROS 1": (
+        """
+        <sensor name="lidar" type="gpu_ray">
+          <plugin name="x" filename="libgazebo_ros_gpu_laser.so">
+            <topicName>front/scan</topicName>
+            <frameName>laser</frameName>
+          </plugin>
+        </sensor>
+        """,
+        """
+        <sensor name="lidar" type="gpu_lidar">
+          <topic>/front/scan</topic>
+          <gz_frame_id>laser</gz_frame_id>
+        </sensor>
+        """,
+        ["/front/scan sensor_msgs/msg/LaserScan"],
+    ),
+    "camera": (
+        """
+        <sensor name="cam" type="camera">
+          <camera/>
+          <plugin name="controller" filename="libgazebo_ros_camera.so">
+            <camera_name>front</camera_name>
+            <frame_name>optical</frame_name>
+          </plugin>
+        </sensor>
+        """,
+        """
+        <sensor name="cam" type="camera">
+          <camera/>
+          <topic>/front/image_raw</topic>
+          <gz_frame_id>optical</gz_frame_id>
+        </sensor>
+        """,
+        ["/front/image_raw sensor_msgs/msg/Image", "/front/camera_info sensor_msgs/msg/CameraInfo"],
+    ),
+    "camera with its image elsewhere": (
+        """
+        <sensor name="cam" type="camera">
+          <camera>
+            <horizontal_fov>1</horizontal_fov>
+          </camera>
+          <plugin name="controller" filename="libgazebo_ros_camera.so">
+            <ros>
+              <namespace>a</namespace>
+              <remapping>cam/image_raw:=image</remapping>
+            </ros>
+          </plugin>
+        </sensor>
+        """,
+        """
+        <sensor name="cam" type="camera">
+          <camera>
+            <horizontal_fov>1</horizontal_fov>
+            <camera_info_topic>/a/cam/camera_info</camera_info_topic>
+          </camera>
+          <topic>/a/image</topic>
+          <gz_frame_id>camera_link</gz_frame_id>
+        </sensor>
+        """,
+        ["/a/image sensor_msgs/msg/Image", "/a/cam/camera_info sensor_msgs/msg/CameraInfo"],
+    ),
+    "depth camera": (
+        """
+        <sensor name="cam" type="depth">
+          <camera>
+            <clip><near>0.1</near><far>10</far></clip>
+          </camera>
+          <plugin name="controller" filename="libgazebo_ros_camera.so">
+            <max_depth>3</max_depth>
+          </plugin>
+        </sensor>
+        """,
+        """
+        <sensor name="cam" type="rgbd_camera">
+          <camera>
+            <clip><near>0.1</near><far>10</far></clip>
+            <depth_camera>
+              <clip>
+                <near>0.4</near>
+                <far>3</far>
+              </clip>
+            </depth_camera>
+          </camera>
+          <topic>/cam</topic>
+          <gz_frame_id>camera_link</gz_frame_id>
+        </sensor>
+        """,
+        [
+            "/cam/image_raw sensor_msgs/msg/Image /cam/image",
+            "/cam/camera_info sensor_msgs/msg/CameraInfo",
+            "/cam/depth/camera_info sensor_msgs/msg/CameraInfo /cam/camera_info",
+            "/cam/depth/image_raw sensor_msgs/msg/Image /cam/depth_image",
+            "/cam/points sensor_msgs/msg/PointCloud2",
+        ],
+    ),
+    "bumper": (
+        """
+        <sensor name="bumper" type="contact">
+          <contact>
+            <collision>c</collision>
+          </contact>
+          <plugin name="bumper" filename="libgazebo_ros_bumper.so"/>
+        </sensor>
+        """,
+        """
+        <sensor name="bumper" type="contact">
+          <contact>
+            <collision>c</collision>
+            <topic>/bumper_states</topic>
+          </contact>
+        </sensor>
+        """,
+        ["/bumper_states ros_gz_interfaces/msg/Contacts"],
+    ),
+    "gps": (
+        """
+        <sensor name="gps" type="gps">
+          <gps/>
+          <plugin name="gps" filename="libgazebo_ros_gps_sensor.so">
+            <ros><remapping>~/out:=fix</remapping></ros>
+          </plugin>
+        </sensor>
+        """,
+        """
+        <sensor name="gps" type="navsat">
+          <navsat/>
+          <topic>/fix</topic>
+          <gz_frame_id>camera_link</gz_frame_id>
+        </sensor>
+        """,
+        ["/fix sensor_msgs/msg/NavSatFix"],
+    ),
+    "sensor without a plugin": (
+        """
+        <sensor name="lidar" type="ray">
+          <topic>__default_topic__</topic>
+          <ray/>
+        </sensor>
+        """,
+        """
+        <sensor name="lidar" type="gpu_lidar">
+          <lidar/>
+        </sensor>
+        """,
+        [],
+    ),
+}
+CASES = {
+    "diff drive": (DIFF_DRIVE, DIFF_DRIVE_AFTER, None),
+    "skid steer of ROS 1": (
+        SKID_STEER_OF_ROS_1,
+        SKID_STEER_AFTER,
+        ["/cmd geometry_msgs/msg/Twist", "/odom nav_msgs/msg/Odometry"],
+    ),
+    **{
+        name: (in_robot(before), in_robot(after), topics)
+        for name, (before, after, topics) in PLUGINS.items()
+    },
+    **{
+        name: (in_link(before), in_link(after), topics)
+        for name, (before, after, topics) in SENSORS.items()
+    },
+}
+
+
+def ported(text: str, target: Target = JAZZY) -> str:
+    """The text after the port, of which no edit touches another one."""
+    port = port_model(SourceText(FILE, text), target)
+    for place, edit in enumerate(port.edits):
+        assert not overlap([edit], port.edits[:place]), edit
+    return apply(text, port.edits)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_becomes(name: str) -> None:
+    before, after, _ = CASES[name]
+    assert ported(before) == after
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_is_ported_once(name: str) -> None:
+    port = port_model(SourceText(FILE, CASES[name][1]), JAZZY)
+    assert (port.edits, port.unported) == ((), ())
+
+
+@pytest.mark.parametrize(
+    "name", [name for name, (_, _, topics) in CASES.items() if topics is not None]
+)
+def test_keeps_the_topics_of_ros(name: str) -> None:
+    rows = bridge_rows(CASES[name][0], JAZZY)
+    assert [
+        f"{row.ros_topic} {row.ros_type}"
+        + ("" if row.gz_topic == row.ros_topic else f" {row.gz_topic}")
+        for row in rows
+    ] == CASES[name][2]
+
+
+def test_keeps_the_line_ends() -> None:
+    text = DIFF_DRIVE.replace("\n", "\r\n")
+    assert ported(text) == DIFF_DRIVE_AFTER.replace("\n", "\r\n")
+
+
+def test_names_the_frame_as_the_target_does() -> None:
+    before, after, _ = CASES["scan"]
+    assert ported(before, KILTED) == after.replace("gz_frame_id", "frame_id")
+
+
+@pytest.mark.parametrize(
+    ("written", "radius"),
+    [
+        ("0.3", "0.15"),
+        ("${d}", "${d/2}"),
+        ("${a + b}", "${(a + b)/2}"),
+        ("${wheel_radius * 2.0}", "${wheel_radius}"),
+        ("$(arg d)", "${float(xacro.arg('d'))/2}"),
+    ],
+)
+def test_halves_the_diameter(written: str, radius: str) -> None:
+    text = DIFF_DRIVE.replace("${2*radius}", written)
+    assert f"<wheel_radius>{radius}</wheel_radius>" in ported(text)
+
+
+def test_has_the_same_topics_before_and_after_xacro() -> None:
+    text = in_link(
+        """
+        <sensor name="lidar" type="ray">
+          <plugin name="scan" filename="libgazebo_ros_ray_sensor.so">
+            <ros>
+              <namespace>${ns}</namespace>
+              <remapping>~/out:=${name}</remapping>
+            </ros>
+            <output_type>sensor_msgs/LaserScan</output_type>
+          </plugin>
+        </sensor>
+        """
+    )
+    for values in (
+        {"ns": "", "name": "scan"},
+        {"ns": "a", "name": "b/scan"},
+        {"ns": "/a", "name": "x"},
+    ):
+
+        def expanded(text: str, values: dict[str, str] = values) -> str:
+            return re.sub(r"\$\{(\w+)\}", lambda found: values[found[1]], text)
+
+        (row,) = bridge_rows(expanded(text), JAZZY)
+        topic = re.search("<topic>(.*)</topic>", expanded(ported(text)))
+        assert topic is not None
+        assert f"/{topic[1].lstrip('/')}" == row.gz_topic == row.ros_topic
+
+
+UNPORTED = {
+    '<gazebo><plugin name="a" filename="libmy_plugin.so"/></gazebo>': "`libmy_plugin.so` is a plugin",
+    '<gazebo><plugin name="a" filename="libgazebo_ros_tricycle_drive.so"/></gazebo>': "drives a",
+    '<gazebo><plugin name="a" filename="${plugin}"/></gazebo>': "xacro computes the name",
+    '<gazebo reference="a"><material>${color}</material></gazebo>': "xacro computes the name",
+    '<gazebo reference="a"><material>Mine/Red</material></gazebo>': "script of the material `Mine/Red`",
+    '<sensor name="a" type="sonar"><sonar/></sensor>': "sensors of the type sonar",
+}
+
+
+@pytest.mark.parametrize("text", UNPORTED)
+def test_lists_what_it_cannot_port(text: str) -> None:
+    (found,) = port_model(SourceText(FILE, f"<robot>\n{text}\n</robot>\n"), JAZZY).unported
+    assert UNPORTED[text] in found.what
+    assert (found.file, found.line) == (FILE, 2)
+
+
+def test_makes_a_comment_of_what_has_no_counterpart() -> None:
+    text = in_robot(
+        """
+        <gazebo>
+          <plugin name="a" filename="libgazebo_ros_tricycle_drive.so">
+            <!-- mine -->
+            <steering_joint>a</steering_joint>
+          </plugin>
+        </gazebo>
+        """
+    )
+    after = ported(text)
+    assert (
+        re.sub("<!--.*?-->|\\s", "", after, flags=re.DOTALL) == "<robot><gazebo></gazebo></robot>"
+    )
+    assert "<!-- mine -->" in after
+    assert "<steering_joint>a</steering_joint>" in after
+
+
+def test_names_the_systems_and_packages_that_are_needed() -> None:
+    port = port_model(SourceText(FILE, CASES["imu"][0]), JAZZY)
+    assert (port.systems, port.packages) == ({"Imu"}, frozenset())
+    port = port_model(SourceText(FILE, CASES["ros2_control"][0]), JAZZY)
+    assert (port.systems, port.packages) == (frozenset(), {"gz_ros2_control"})
+
+
+def test_leaves_plugins_of_worlds_alone() -> None:
+    text = (
+        '<sdf><world name="w"><plugin name="a" filename="libgazebo_ros_state.so"/></world></sdf>\n'
+    )
+    port = port_model(SourceText(FILE, text), JAZZY)
+    assert (port.edits, port.unported) == ((), ())
