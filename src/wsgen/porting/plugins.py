@@ -302,7 +302,7 @@ def _ackermann(port: Porter, plugin: ClassicPlugin, values: dict[str, str]) -> N
     _publish_world_odometry(port, plugin, rate)
     port.leave(
         plugin.node,
-        "Gazebo Classic finds the sizes of the car in its model; Gazebo Sim is told them.",
+        "Gazebo Classic finds the sizes of the car in its model, and Gazebo Sim does not.",
         f"Write {', '.join(f'<{one}>' for one in MEASURED)} into the plugin, in meters.",
     )
     port.leave(
