@@ -21,7 +21,7 @@ def ported(
 ) -> tuple[str, FilePort]:
     """The text of a launch file after its port; it must be Python, and another port no change."""
     source = SourceText(Path("robot.launch.py"), dedent(text))
-    context = Context(rows=rows or {}, package="my_robot", default_world=world)
+    context = Context(rows=rows or {}, package="my_robot", distro="jazzy", default_world=world)
     port = port_launch_file(source, context)
     after = apply(source.text, port.edits)
     ast.parse(after)
@@ -217,6 +217,16 @@ def test_the_clock_starts_with_the_simulator() -> None:
     assert after.count("'/clock@rosgraph_msgs/msg/Clock[gz.msgs.Clock'") == 1
 
 
+def test_a_path_of_the_installed_ros_is_ported() -> None:
+    after, _ = ported(
+        """\
+        IncludeLaunchDescription(PythonLaunchDescriptionSource(
+            os.path.join('/opt/ros/humble/share/gazebo_ros/launch', 'gazebo.launch.py')))
+        """
+    )
+    assert "'/opt/ros/jazzy/share/ros_gz_sim/launch', 'gz_sim.launch.py'" in after
+
+
 def test_variables_of_the_environment_are_renamed() -> None:
     after, _ = ported("SetEnvironmentVariable('GAZEBO_MODEL_PATH', models)\n")
     assert after == "SetEnvironmentVariable('GZ_SIM_RESOURCE_PATH', models)\n"
@@ -234,12 +244,14 @@ def test_what_is_not_understood_is_listed_and_stays() -> None:
 @pytest.mark.parametrize("text", ["def broken(:\n    'gazebo_ros'\n", "print('hello')\n"])
 def test_other_files_stay_as_they_are(text: str) -> None:
     source = SourceText(Path("robot.launch.py"), text)
-    assert port_launch_file(source, Context(rows={}, package="my_robot")) == FilePort()
+    assert (
+        port_launch_file(source, Context(rows={}, package="my_robot", distro="jazzy")) == FilePort()
+    )
 
 
 def test_line_ends_of_windows_stay() -> None:
     text = SPAWNED.format(body="return LaunchDescription([\n        spawn,\n    ])")
     source = SourceText(Path("robot.launch.py"), text.replace("\n", "\r\n"))
-    port = port_launch_file(source, Context(rows={2: [SCAN]}, package="my_robot"))
+    port = port_launch_file(source, Context(rows={2: [SCAN]}, package="my_robot", distro="jazzy"))
     after = apply(source.text, port.edits)
     assert after.count("\n") == after.count("\r\n")

@@ -89,13 +89,16 @@ def _print_diff(plan: PortPlan) -> None:
 
 
 def _left(plan: PortPlan) -> list[str]:
-    """What the author has to do, by file and line."""
+    """What the author has to do, by file and line; one advice for all that it is about."""
     from wsgen.cli.words import short_path
 
-    lines = []
+    by_advice: dict[str, list[str]] = {}
     for one in plan.unported:
-        lines += [f"{short_path(one.file)}:{one.line}: {one.what}", f"  {one.advice}"]
-    return ["Left to you:", *(f"  {line}" for line in lines)] if lines else []
+        by_advice.setdefault(one.advice, []).append(
+            f"  {short_path(one.file)}:{one.line}: {one.what}"
+        )
+    lines = [line for advice, those in by_advice.items() for line in (*those, f"    {advice}")]
+    return ["Left to you:", *lines] if lines else []
 
 
 def _summary(plan: PortPlan, distro: str, *, quiet: bool) -> list[str]:

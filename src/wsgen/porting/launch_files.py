@@ -65,6 +65,8 @@ ADVICE = {
     "stdin": "Name a file with -file, or a topic with -topic.",
     "wait": "Start the spawner when what it waits for is there.",
 }
+_INSTALLED_IN = "/opt/ros/"
+_INSTALLED = re.compile(rf"{_INSTALLED_IN}\w+")
 _NAMED = re.compile(r"(?i)gazebo|gzserver|gzclient")
 _TRACE = re.compile(
     r"(?<!\w)(?:gazebo_ros|gazebo_ros2_control|gazebo_plugins|gzserver|gzclient)(?!\w)"
@@ -82,6 +84,7 @@ class Context(NamedTuple):
     # The topics of the robots that each spawner puts into the simulator, by the line of its call.
     rows: Mapping[int, Sequence[BridgeRow]]
     package: str  # that it belongs to
+    distro: str  # that it is ported to
     # The file of the package that takes the place of Classic's default world; None: Gazebo's own.
     default_world: str | None = None
 
@@ -136,7 +139,12 @@ class _Port(PythonEdits):
             if file is None or not any(OLD_PACKAGE in one.text for one in texts):
                 continue
             name = file.text.rpartition("/")[2]
-            self.rename(file, (name, LAUNCH_FILE), (f"{OLD_PACKAGE}/", f"{PACKAGE}/"))
+            for one in texts:
+                if OLD_PACKAGE in one.text.split("/") or one is file:
+                    renamed = [(name, LAUNCH_FILE), (OLD_PACKAGE, PACKAGE)]
+                    older = _INSTALLED.search(one.text)
+                    renamed += [(older[0], _INSTALLED_IN + self.context.distro)] if older else []
+                    self.rename(one, *renamed)
             self.packages.add(PACKAGE)
             self._arguments(call, FILES[name])
             if FILES[name] != CLIENT:

@@ -161,6 +161,7 @@ def _port_launch_files(
         return Context(
             rows=rows.get(real_path(source.file), {}),
             package=port.package.name,
+            distro=target.distro,
             default_world=DEFAULT_WORLD if systems else None,
         )
 
