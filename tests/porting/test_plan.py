@@ -20,7 +20,7 @@ from wsgen.porting.write import write_port
 
 JAZZY = Target(distro="jazzy", simulator=SIM)
 OF_CLASSIC = re.compile(
-    r"gazebo_ros(?! gazebo_model_path)|gazebo_plugins|libgazebo|spawn_entity|gzserver|gzclient|GAZEBO_|Gazebo Classic"
+    r"gazebo_ros(?! gazebo_model_path)|gazebo_plugins|libgazebo|spawn_entity|gzserver|gzclient|GAZEBO_"
 )
 
 
