@@ -305,6 +305,91 @@ SPECULARS = {
 }
 
 
+# Plugins of worlds of Gazebo Classic that are gone without a loss, and the others: what they did,
+# and what there is instead.
+OF_ANY_WORLD = ("gazebo_ros_init", "gazebo_ros_factory")
+OF_WORLDS = {
+    "gazebo_ros_state": (
+        "published the poses of all models and links, and set them by services",
+        "Bridge /world/NAME/dynamic_pose/info and the service /world/NAME/set_pose.",
+    ),
+    "gazebo_ros_properties": (
+        "changed properties of models and of the physics by services",
+        "Write them into the world or the robot; /world/NAME/set_physics is a service of Gazebo.",
+    ),
+    "gazebo_ros_force_system": (
+        "pushed links and joints by services",
+        "Publish to /world/NAME/wrench of the system ApplyLinkWrench, which takes its place.",
+    ),
+    "gazebo_ros_elevator": ("moved an elevator", "Use gz-sim-elevator-system."),
+    "WindPlugin": ("had the wind blow", "Use gz-sim-wind-effects-system."),
+    "StaticMapPlugin": ("drew a map of the earth", "Use a heightmap or a textured plane."),
+}
+IN_PLACE_OF_WORLDS = {"gazebo_ros_force_system": "ApplyLinkWrench"}
+
+# Models of the database of Gazebo Classic -> those of Open Robotics on Fuel, which are the same:
+# the names in osrf/gazebo_models that public worlds for Gazebo Sim include. A world with a model
+# that Fuel lacks does not start, so that the others are not here.
+FUEL = "https://fuel.gazebosim.org/1.0/OpenRobotics/models/"
+ON_FUEL = {
+    "ambulance": "Ambulance",
+    "apartment": "Apartment",
+    "beer": "Beer",
+    "bookshelf": "Bookshelf",
+    "bowl": "Bowl",
+    "bus": "Bus",
+    "cabinet": "Cabinet",
+    "cafe": "Cafe",
+    "cafe_table": "Cafe table",
+    "cardboard_box": "Cardboard box",
+    "coke_can": "Coke Can",
+    "collapsed_house": "Collapsed House",
+    "construction_barrel": "Construction Barrel",
+    "construction_cone": "Construction Cone",
+    "cordless_drill": "Cordless Drill",
+    "double_pendulum_with_base": "Double pendulum with base",
+    "dumpster": "Dumpster",
+    "euro_pallet": "Euro pallet",
+    "fire_hydrant": "Fire hydrant",
+    "first_2015_trash_can": "FIRST 2015 trash can",
+    "gazebo": "Gazebo",
+    "ground_plane": "Ground Plane",
+    "hammer": "Hammer",
+    "hatchback": "Hatchback",
+    "hatchback_blue": "Hatchback blue",
+    "hatchback_red": "Hatchback red",
+    "house_1": "House 1",
+    "house_2": "House 2",
+    "house_3": "House 3",
+    "iss_half": "International Space Station (half)",
+    "jersey_barrier": "Jersey Barrier",
+    "lamp_post": "Lamp Post",
+    "mailbox": "Mailbox",
+    "oak_tree": "Oak tree",
+    "office_building": "Office Building",
+    "person_standing": "Standing person",
+    "person_walking": "Walking person",
+    "pickup": "Pickup",
+    "pine_tree": "Pine Tree",
+    "playground": "Playground",
+    "prius_hybrid": "Prius Hybrid",
+    "radio_tower": "Radio tower",
+    "robonaut": "Robonaut",
+    "school": "School",
+    "simple_arm": "Simple Arm",
+    "sun": "Sun",
+    "suv": "SUV",
+    "table": "Table",
+    "table_marble": "Table Marble",
+    "telephone_pole": "Telephone pole",
+    "wood_cube_10cm": "Wood cube 10cm",
+    "wood_cube_5cm": "Wood cube 5cm",
+}
+# Meshes of actors that Gazebo Classic ships and this model on Fuel has.
+ACTOR = "https://fuel.gazebosim.org/1.0/Mingfei/models/actor/tip/files/meshes/"
+MESHES_OF_ACTORS = ("talk_b.dae", "walk.dae")
+
+
 def is_served(name: str, right: Collection[str]) -> bool:
     """Whether plugins for the right simulator do what one for the other does."""
     same = COUNTERPARTS.get(name) or [

@@ -101,8 +101,7 @@ def _port_material(port: Porter, material: Node) -> None:
 
 def _colors(port: Porter, node: Node, name: str) -> list[Block]:
     """What Gazebo Sim has instead of the name of a material; nothing if only its author knows."""
-    diffuse = GAZEBO_COLORS.get(name)
-    if diffuse is None:
+    if name not in GAZEBO_COLORS:
         port.leave_once(
             node,
             f"Gazebo Sim does not read the script of the material `{name}`.",
@@ -115,7 +114,12 @@ def _colors(port: Porter, node: Node, name: str) -> list[Block]:
             f"The texture of `{name}` does not exist in Gazebo Sim; the color is like it.",
             "Write a texture into <pbr> if you need one.",
         )
-    specular = SPECULARS.get(name, _SPECULAR)
+    return colors(name)
+
+
+def colors(name: str) -> list[Block]:
+    """The colors of a material that Gazebo Classic ships."""
+    diffuse, specular = GAZEBO_COLORS[name], SPECULARS.get(name, _SPECULAR)
     blocks = [
         Block("ambient", _rgba(*GAZEBO_AMBIENTS.get(name, diffuse))),
         Block("diffuse", _rgba(*diffuse)),

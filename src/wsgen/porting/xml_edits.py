@@ -237,6 +237,15 @@ class Editor:
         """Add elements behind the last one in an element."""
         self._inside.setdefault(node.start, (node, []))[1].extend(blocks)
 
+    def prepend(self, node: Node, *blocks: Block) -> None:
+        """Add elements in front of the first one in an element."""
+        if node.tag.end is None:
+            self.append(node, *blocks)
+            return
+        lines = self._lines(blocks, self._indent_in(node), self._unit(node))
+        at = node.tag.start.end
+        self._edit(at, at, "".join(f"{self._newline}{line}" for line in lines))
+
     def add_behind(self, node: Node, *blocks: Block) -> None:
         """Add elements behind an element."""
         self._behind.setdefault(node.start, (node, []))[1].extend(blocks)
@@ -301,11 +310,7 @@ class Editor:
 
     def _add_inside(self, node: Node, blocks: Sequence[Block]) -> None:
         own, unit = self.source.indent_at(node.start), self._unit(node)
-        first = next(iter(node.written), None)
-        indent = f"{own}{unit}"
-        if first is not None and self._begins_line(first.start):
-            indent = self.source.indent_at(first.start)
-        lines = self._lines(blocks, indent, unit)
+        lines = self._lines(blocks, self._indent_in(node), unit)
         end = node.tag.end
         if end is None:
             at = node.tag.start.end - len("/>")
@@ -317,6 +322,13 @@ class Editor:
         else:
             text = self._newline.join(("", *lines, own))
             self._edit(end.start, end.start, text)
+
+    def _indent_in(self, node: Node) -> str:
+        """The blanks before the elements in an element."""
+        first = next(iter(node.written), None)
+        if first is not None and self._begins_line(first.start):
+            return self.source.indent_at(first.start)
+        return f"{self.source.indent_at(node.start)}{self._unit(node)}"
 
     def _begins_line(self, place: int) -> bool:
         start = self.source.start_of(self.source.line_at(place))

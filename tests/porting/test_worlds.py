@@ -1,0 +1,278 @@
+"""What becomes of worlds, to the letter."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from wsgen.checks.fixes.source import SourceText, apply
+from wsgen.model.target import Target
+from wsgen.porting.worlds import model_names, new_world, port_world
+
+JAZZY = Target(distro="jazzy", simulator="gz")
+LOADED = """    <plugin filename="gz-sim-physics-system" name="gz::sim::systems::Physics"/>
+    <plugin filename="gz-sim-user-commands-system" name="gz::sim::systems::UserCommands"/>
+    <plugin filename="gz-sim-scene-broadcaster-system" name="gz::sim::systems::SceneBroadcaster"/>
+"""
+SENSORS = """    <plugin filename="gz-sim-sensors-system" name="gz::sim::systems::Sensors">
+      <render_engine>ogre2</render_engine>
+    </plugin>
+"""
+GROUND = """    <model name="{name}">
+      <static>true</static>{pose}
+      <link name="link">
+        <collision name="collision">
+          <geometry>
+            <plane>
+              <normal>0 0 1</normal>
+              <size>100 100</size>
+            </plane>
+          </geometry>
+          <surface>
+            <friction>
+              <ode>
+                <mu>100</mu>
+                <mu2>50</mu2>
+              </ode>
+            </friction>
+          </surface>
+        </collision>
+        <visual name="visual">
+          <cast_shadows>false</cast_shadows>
+          <geometry>
+            <plane>
+              <normal>0 0 1</normal>
+              <size>100 100</size>
+            </plane>
+          </geometry>
+          <material>
+            <ambient>0.3 0.3 0.3 1</ambient>
+            <diffuse>0.7 0.7 0.7 1</diffuse>
+            <specular>0.01 0.01 0.01 1</specular>
+          </material>
+        </visual>
+      </link>
+    </model>
+"""
+SUN = """    <light name="{name}" type="directional">
+      <cast_shadows>true</cast_shadows>
+      <pose>{pose}</pose>
+      <diffuse>0.8 0.8 0.8 1</diffuse>
+      <specular>0.2 0.2 0.2 1</specular>
+      <attenuation>
+        <range>1000</range>
+        <constant>0.9</constant>
+        <linear>0.01</linear>
+        <quadratic>0.001</quadratic>
+      </attenuation>
+      <direction>-0.5 0.1 -0.9</direction>
+    </light>
+"""
+
+
+def world(*parts: str) -> str:
+    return f'<sdf version="1.6">\n  <world name="w">\n{"".join(parts)}  </world>\n</sdf>\n'
+
+
+def ported(
+    text: str, *, systems: tuple[str, ...] = (), models: tuple[str, ...] = ()
+) -> tuple[str, list[str]]:
+    """The text afterwards, which a second port leaves as it is, and what is listed."""
+
+    def port(before: str) -> tuple[str, list[str]]:
+        source = SourceText(Path("/nowhere/w.world"), before)
+        found = port_world(source, JAZZY, frozenset(systems), models=models)
+        return apply(before, found.edits), [f"{one.line}: {one.what}" for one in found.unported]
+
+    after, listed = port(text)
+    assert port(after)[0] == after
+    return after, listed
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        pytest.param("", "", id="nothing"),
+        pytest.param(
+            "    <!-- here -->\n    <include>\n      <uri>model://sun</uri>\n    </include>\n",
+            f"    <!-- here -->\n{SUN.format(name='sun', pose='0 0 10 0 0 0')}",
+            id="sun",
+        ),
+        pytest.param(
+            "    <include>\n      <uri>model://sun</uri>\n      <name>day</name>\n"
+            "      <pose>1 0 5 0 0 0</pose>\n    </include>\n",
+            SUN.format(name="day", pose="1 0 5 0 0 0"),
+            id="another sun",
+        ),
+        pytest.param(
+            "    <include><uri>model://ground_plane</uri></include>\n",
+            GROUND.format(name="ground_plane", pose=""),
+            id="ground plane",
+        ),
+        pytest.param(
+            "    <include>\n      <!-- below -->\n      <uri>model://ground_plane</uri>\n"
+            "      <pose>0 0 -1 0 0 0</pose>\n      <name>floor</name>\n    </include>\n",
+            "    <!-- below -->\n"
+            + GROUND.format(name="floor", pose="\n      <pose>0 0 -1 0 0 0</pose>"),
+            id="another ground plane",
+        ),
+        pytest.param(
+            "    <include>\n      <uri>model://cafe_table</uri>\n    </include>\n"
+            "    <include>\n      <uri>model://shelf</uri>\n    </include>\n",
+            "    <include>\n      <uri>https://fuel.gazebosim.org/1.0/OpenRobotics/models/"
+            "Cafe table</uri>\n    </include>\n"
+            "    <include>\n      <uri>model://shelf</uri>\n    </include>\n",
+            id="models of Fuel",
+        ),
+        pytest.param(
+            '    <plugin name="i" filename="libgazebo_ros_init.so">\n'
+            "      <ros/>\n    </plugin>\n"
+            '    <plugin name="f" filename="libgazebo_ros_factory.so"/>\n',
+            "",
+            id="plugins without which nothing is lost",
+        ),
+        pytest.param(
+            '    <physics type="ode">\n      <max_step_size>0.002</max_step_size>\n'
+            "      <real_time_factor>1</real_time_factor>\n"
+            "      <real_time_update_rate>250</real_time_update_rate>\n    </physics>\n",
+            '    <physics type="ode">\n      <max_step_size>0.002</max_step_size>\n'
+            "      <real_time_factor>0.5</real_time_factor>\n    </physics>\n",
+            id="how fast time passes",
+        ),
+        pytest.param(
+            "    <physics type='ode'>\n"
+            "      <real_time_update_rate>1000.0</real_time_update_rate>\n    </physics>\n",
+            "    <physics type='ode'>\n"
+            "      <real_time_factor>1</real_time_factor>\n    </physics>\n",
+            id="how fast time passes, by the rate alone",
+        ),
+    ],
+)
+def test_what_is_in_a_world(before: str, after: str) -> None:
+    assert ported(world(before)) == (world(LOADED, after), [])
+    dos = world(before).replace("\n", "\r\n")
+    assert ported(dos)[0] == world(LOADED, after).replace("\n", "\r\n")
+
+
+def test_a_mesh_of_the_database() -> None:
+    """Worlds that are saved have the models of the database in them."""
+    uri = "      <m><uri>model://{}/meshes/construction_cone.dae</uri></m>\n"
+    address = "https://fuel.gazebosim.org/1.0/OpenRobotics/models/Construction Cone/tip/files"
+    text = f'    <model name="c">\n{uri.format("construction_cone")}    </model>\n'
+    assert ported(world(text))[0] == world(
+        LOADED, text.replace("model://construction_cone", address)
+    )
+
+
+def test_models_of_the_workspace_stay(tmp_path: Path) -> None:
+    (tmp_path / "models" / "table").mkdir(parents=True)
+    (tmp_path / "models" / "table" / "model.config").write_text("<model/>")
+    text = world("    <include><uri>model://table</uri></include>\n")
+    names = (*model_names(tmp_path),)
+    assert ported(text, models=names)[0] == text.replace('"w">\n', f'"w">\n{LOADED}')
+
+
+def test_models_that_fuel_may_lack_are_listed() -> None:
+    text = world("    <include><uri>model://grey_wall</uri></include>\n")
+    assert ported(text)[1] == [
+        "3: Gazebo Classic downloads the model `grey_wall` from its database; Gazebo Sim does not."
+    ]
+
+
+def test_systems() -> None:
+    """Those that a world has stay; what else is needed comes behind them."""
+    assert ported(world(), systems=("Sensors", "Physics")) == (world(LOADED, SENSORS), [])
+    own = '    <plugin filename="ignition-gazebo-physics-system" name="P"/>  <!-- own -->\n'
+    assert ported(world(own)) == (world(own), [])
+    assert ported(world(own), systems=("Sensors",))[0] == world(
+        own.replace("  <!-- own -->\n", f"\n{SENSORS.rstrip()}  <!-- own -->\n")
+    )
+
+
+def test_plugins_of_classic() -> None:
+    after, listed = ported(
+        world(
+            '    <plugin name="s" filename="libgazebo_ros_state.so">\n'
+            "      <!-- often -->\n"
+            "      <update_rate>1.0</update_rate>\n"
+            "    </plugin>\n",
+            '    <plugin name="f" filename="libgazebo_ros_force_system.so"/>\n',
+            '    <plugin name="o" filename="libown.so">\n      <speed>1</speed>\n    </plugin>\n',
+        )
+    )
+    wrench = "gz::sim::systems::ApplyLinkWrench"
+    assert after == world(
+        LOADED,
+        f'    <plugin filename="gz-sim-apply-link-wrench-system" name="{wrench}"/>\n',
+        "    <!-- often -->\n",
+        '    <!-- <plugin name="o" filename="libown.so">\n      <speed>1</speed>\n'
+        "    </plugin> -->\n",
+    )
+    assert [line.partition(":")[0] for line in listed] == ["3", "7", "8"]
+
+
+def test_the_window() -> None:
+    text = (
+        "    <gui fullscreen='0'>\n      <camera name='user_camera'>\n"
+        "        <pose>1 0 0 0 0 0</pose>\n      </camera>\n    </gui>\n"
+    )
+    after, listed = ported(world(text))
+    assert after == world(LOADED)
+    assert listed == ["4: Gazebo Sim does not read the view of the window from <camera>."]
+    sim = '    <gui>\n      <plugin filename="MinimalScene" name="3D View"/>\n    </gui>\n'
+    assert ported(world(sim)) == (world(LOADED, sim), [])
+
+
+def test_a_saved_state_moves_its_models() -> None:
+    """Gazebo Classic moves models and lights to where the state has them."""
+    box = "    <model name='box'>\n      <pose frame=''>{}</pose>\n    </model>\n"
+    rest = (
+        "    <model name='still'>\n      <pose>0 0 1 0 0 0</pose>\n    </model>\n"
+        "    <light name='lamp' type='point'>\n{}    </light>\n"
+    )
+    state = (
+        "    <state world_name='w'>\n      <sim_time>10 0</sim_time>\n"
+        "      <model name='box'>\n        <pose>5 6 2 0 -0 0</pose>\n      </model>\n"
+        "      <model name='still'>\n        <pose>0 0 1.0 0 -0 0</pose>\n      </model>\n"
+        "      <light name='lamp'>\n        <pose>1 2 3 0 0 0</pose>\n      </light>\n"
+        "    </state>\n"
+    )
+    after, listed = ported(world(box.format("0 0 1 0 0 0"), rest.format(""), state))
+    assert after == world(
+        LOADED,
+        box.format("5 6 2 0 -0 0"),
+        rest.format("      <pose>1 2 3 0 0 0</pose>\n"),
+    )
+    assert [line.partition(": it is gone")[0] for line in listed] == [
+        "11: Gazebo Sim does not read <state>"
+    ]
+
+
+def test_actors() -> None:
+    text = (
+        "    <actor name='a'>\n      <skin>\n        <filename>walk.dae</filename>\n      </skin>\n"
+        "      <animation name='run'>\n        <filename>run.dae</filename>\n      </animation>\n"
+        "{}    </actor>\n"
+    )
+    plugin = '      <plugin name="p" filename="libActorPlugin.so"/>\n'
+    address = "https://fuel.gazebosim.org/1.0/Mingfei/models/actor/tip/files/meshes/walk.dae"
+    after, listed = ported(world(text.format(plugin)))
+    assert after == world(LOADED, text.format("").replace("walk.dae", address))
+    assert [line.partition(":")[0] for line in listed] == ["10", "8"]
+
+
+def test_what_gazebo_sim_does_not_have_stays_as_a_comment() -> None:
+    road = "<road name='r'>\n      <!-- wide -->\n      <width>3</width>\n    </road>"
+    after, listed = ported(world(f"    {road}\n"))
+    inner = road.replace("<!-- wide -->", "--><!-- wide --><!--")
+    assert after == world(LOADED, f"    <!-- {inner} -->\n")
+    assert listed == ["3: Gazebo Sim does not have <road>, which draws a road."]
+
+
+def test_a_new_world_is_classics_empty_one() -> None:
+    sun, ground = SUN.format(name="sun", pose="0 0 10 0 0 0"), GROUND
+    assert new_world("empty", JAZZY, ("Sensors",)) == (
+        '<?xml version="1.0"?>\n<sdf version="1.11">\n  <world name="empty">\n'
+        f"{LOADED}{SENSORS}{sun}\n{ground.format(name='ground_plane', pose='')}  </world>\n</sdf>\n"
+    )
