@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from wsgen.porting.xml_edits import Node
 
 _ELSEWHERE = ("world", "gui", "actor")  # whose own plugins are not those of models
+_NOT_READ = ("road", "population", "state")  # by Gazebo Sim, whatever is in them
 _HARDWARE = re.escape(ROS2_CONTROL_HARDWARE[CLASSIC][1])
 _COMMENT_OR_HARDWARE = re.compile(rf"<!--.*?(?:-->|\Z)|\b({_HARDWARE})\b", re.DOTALL)
 _SPECULAR = 0.1
@@ -45,6 +46,8 @@ def bridge_rows(text: str, target: Target) -> list[BridgeRow]:
 def _port(source: SourceText, target: Target) -> Porter:
     port = Porter(source, target)
     for node in port.nodes:
+        if node.is_in(*_NOT_READ):
+            continue
         if node.name == "sensor":
             port_sensor(port, node)
         elif node.name == "plugin" and node.get("filename") and not goes_with_sensor(node):

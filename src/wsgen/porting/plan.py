@@ -24,11 +24,11 @@ from wsgen.porting.launch_markup import port_markup
 from wsgen.porting.manifests import port_manifest
 from wsgen.porting.models import bridge_rows, port_model
 from wsgen.porting.ported import FilePort, Unported, joined
-from wsgen.porting.worlds import new_world, port_world
+from wsgen.porting.worlds import model_names, new_world, port_world
 from wsgen.text.files import list_files, real_path, remembering
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.checks.fixes.source import SourceText
@@ -102,8 +102,10 @@ def plan_port(targets: Targets, target: Target, environment: Mapping[str, str]) 
         for port in ports:
             _port_models(port, target)
         systems = frozenset().union(*(port.all().systems for port in ports))
+        models = {name for port in ports for name in model_names(port.package.path)}
+        models |= {port.package.name for port in ports}
         for port in ports:
-            _port_worlds(port, target, systems)
+            _port_worlds(port, target, systems, models)
             _port_launch_files(port, target, rows, systems)
             _list_code(port)
         for port in ports:
@@ -145,10 +147,12 @@ def _port_models(port: _Port, target: Target) -> None:
             port.add(source, port_model(source, target))
 
 
-def _port_worlds(port: _Port, target: Target, systems: frozenset[str]) -> None:
+def _port_worlds(
+    port: _Port, target: Target, systems: frozenset[str], models: Collection[str]
+) -> None:
     for source in port.files(_OF_XML):
         if _SDF.search(source.text) and _WORLD.search(source.text):
-            port.add(source, port_world(source, target, systems))
+            port.add(source, port_world(source, target, systems, models=models))
 
 
 def _port_launch_files(
