@@ -267,6 +267,22 @@ PLUGINS = {
         """,
         ["/wrench geometry_msgs/msg/WrenchStamped"],
     ),
+    "drive of a robot for both simulators": (
+        """
+        <gazebo>
+          <plugin name="a" filename="libgazebo_ros_diff_drive.so">
+            <left_joint>a</left_joint>
+          </plugin>
+          <plugin name="gz::sim::systems::DiffDrive" filename="gz-sim-diff-drive-system"/>
+        </gazebo>
+        """,
+        """
+        <gazebo>
+          <plugin name="gz::sim::systems::DiffDrive" filename="gz-sim-diff-drive-system"/>
+        </gazebo>
+        """,
+        [],
+    ),
     "material": (
         """
         <gazebo reference="base_link">
@@ -312,6 +328,99 @@ PLUGINS = {
         [],
     ),
 }
+WHEELS = """
+<model name="m">
+  <joint name="left" type="revolute">
+    <axis>
+      <xyz>0 1 0</xyz>
+    </axis>
+  </joint>
+  <joint name="right" type="revolute">
+    <axis>
+      <limit><effort>1</effort></limit>
+    </axis>
+  </joint>
+  <plugin name="drive" filename="libgazebo_ros_diff_drive.so">
+    <left_joint>left</left_joint>
+    <right_joint>right</right_joint>
+    <wheel_separation>1</wheel_separation>
+    <wheel_diameter>1</wheel_diameter>
+    <max_wheel_torque>20</max_wheel_torque>
+  </plugin>
+</model>
+"""
+WHEELS_AFTER = """
+<model name="m">
+  <joint name="left" type="revolute">
+    <axis>
+      <xyz>0 1 0</xyz>
+      <limit>
+        <effort>20</effort>
+      </limit>
+    </axis>
+  </joint>
+  <joint name="right" type="revolute">
+    <axis>
+      <limit><effort>20</effort></limit>
+    </axis>
+  </joint>
+  <plugin name="gz::sim::systems::DiffDrive" filename="gz-sim-diff-drive-system">
+    <left_joint>left</left_joint>
+    <right_joint>right</right_joint>
+    <wheel_separation>1</wheel_separation>
+    <wheel_radius>0.5</wheel_radius>
+    <topic>/cmd_vel</topic>
+  </plugin>
+</model>
+"""
+SOURCES = """
+<robot>
+  <gazebo>
+    <plugin name="drive" filename="libgazebo_ros_diff_drive.so">
+      <left_joint>left</left_joint>
+      <right_joint>right</right_joint>
+      <wheel_separation>1</wheel_separation>
+      <wheel_diameter>1</wheel_diameter>
+      <publish_odom>true</publish_odom>
+      <xacro:if value="${source == 'world'}">
+        <odometry_source>1</odometry_source>
+      </xacro:if>
+      <xacro:unless value="${source == 'world'}">
+        <odometry_source>0</odometry_source>
+      </xacro:unless>
+    </plugin>
+  </gazebo>
+</robot>
+"""
+SOURCES_AFTER = """
+<robot>
+  <gazebo>
+    <plugin name="gz::sim::systems::DiffDrive" filename="gz-sim-diff-drive-system">
+      <left_joint>left</left_joint>
+      <right_joint>right</right_joint>
+      <wheel_separation>1</wheel_separation>
+      <wheel_radius>0.5</wheel_radius>
+      <xacro:if value="${source == 'world'}">
+      </xacro:if>
+      <xacro:unless value="${source == 'world'}">
+        <odom_topic>/odom</odom_topic>
+        <frame_id>odom</frame_id>
+        <child_frame_id>base_footprint</child_frame_id>
+        <odom_publish_frequency>100</odom_publish_frequency>
+      </xacro:unless>
+      <topic>/cmd_vel</topic>
+    </plugin>
+    <xacro:if value="${source == 'world'}">
+      <plugin filename="gz-sim-odometry-publisher-system" name="gz::sim::systems::OdometryPublisher">
+        <odom_topic>/odom</odom_topic>
+        <odom_frame>odom</odom_frame>
+        <robot_base_frame>base_footprint</robot_base_frame>
+        <odom_publish_frequency>100</odom_publish_frequency>
+      </plugin>
+    </xacro:if>
+  </gazebo>
+</robot>
+"""
 SENSORS = {
     "imu": (
         """
@@ -516,6 +625,66 @@ SENSORS = {
         """,
         ["/fix sensor_msgs/msg/NavSatFix"],
     ),
+    "several cameras": (
+        """
+        <sensor name="stereo" type="multicamera">
+          <update_rate>10</update_rate>
+          <camera name="left">
+            <horizontal_fov>1</horizontal_fov>
+          </camera>
+          <camera name="right">
+            <!-- seen from behind -->
+            <pose>0 -0.1 0 0 0 0</pose>
+          </camera>
+          <plugin name="controller" filename="libgazebo_ros_camera.so">
+            <frame_name>optical</frame_name>
+          </plugin>
+        </sensor>
+        """,
+        """
+        <sensor name="stereo_left" type="camera">
+          <update_rate>10</update_rate>
+          <camera name="left">
+            <horizontal_fov>1</horizontal_fov>
+          </camera>
+          <topic>/stereo/left/image_raw</topic>
+          <gz_frame_id>optical</gz_frame_id>
+        </sensor>
+        <sensor name="stereo_right" type="camera">
+          <update_rate>10</update_rate>
+          <camera name="right">
+            <!-- seen from behind -->
+            <pose>0 -0.1 0 0 0 0</pose>
+          </camera>
+          <topic>/stereo/right/image_raw</topic>
+          <gz_frame_id>optical</gz_frame_id>
+        </sensor>
+        """,
+        [
+            "/stereo/left/image_raw sensor_msgs/msg/Image",
+            "/stereo/left/camera_info sensor_msgs/msg/CameraInfo",
+            "/stereo/right/image_raw sensor_msgs/msg/Image",
+            "/stereo/right/camera_info sensor_msgs/msg/CameraInfo",
+        ],
+    ),
+    "sensor that is ready for Gazebo Sim": (
+        """
+        <sensor name="imu" type="imu">
+          <topic>mine</topic>
+          <gz_frame_id>imu_link</gz_frame_id>
+          <imu><orientation_reference_frame/></imu>
+          <plugin name="imu_plugin" filename="libgazebo_ros_imu_sensor.so"/>
+        </sensor>
+        """,
+        """
+        <sensor name="imu" type="imu">
+          <topic>mine</topic>
+          <gz_frame_id>imu_link</gz_frame_id>
+          <imu><orientation_reference_frame/></imu>
+        </sensor>
+        """,
+        ["/imu_plugin/out sensor_msgs/msg/Imu /mine"],
+    ),
     "sensor without a plugin": (
         """
         <sensor name="lidar" type="ray">
@@ -533,6 +702,8 @@ SENSORS = {
 }
 CASES = {
     "diff drive": (DIFF_DRIVE, DIFF_DRIVE_AFTER, None),
+    "torque of wheels": (WHEELS, WHEELS_AFTER, ["/cmd_vel geometry_msgs/msg/Twist"]),
+    "sources of odometry": (SOURCES, SOURCES_AFTER, None),
     "skid steer of ROS 1": (
         SKID_STEER_OF_ROS_1,
         SKID_STEER_AFTER,

@@ -114,10 +114,7 @@ CONVERSIONS = {
         "DiffDrive",
         {**_SAME_WHEELS, "wheel_diameter": "wheel_radius"},
         {"command": "topic"},
-        {
-            **_ODOMETRY_LOST,
-            "max_wheel_torque": "Write it as the effort of the <limit> of the wheels' joints.",
-        },
+        _ODOMETRY_LOST,
         ("wheel_separation", "wheel_diameter"),
     ),
     "gazebo_ros_ackermann_drive": Conversion(

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wsgen.gazebo.plugins import TWO_WHEELS, simulator_of
+from wsgen.gazebo.plugins import TWO_WHEELS, simulator_of, stem
 from wsgen.gazebo.successors import (
     CONVERSIONS,
+    COUNTERPARTS,
     MEASURED,
     ODOMETRY,
     ODOMETRY_OF_WHEELS,
@@ -22,7 +23,7 @@ from wsgen.porting.porter import (
     number,
     product,
 )
-from wsgen.porting.xml_edits import COMPUTED, Block
+from wsgen.porting.xml_edits import COMPUTED, CONDITIONS, Block
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping
@@ -40,13 +41,19 @@ _REPEATED = ("left_joint", "right_joint", "joint_name")
 # Of these another element says the same once more.
 _AS_THE_FIRST = ("xyz_offset", "rpy_offset", "xyz_offsets", "rpy_offsets")
 _ACCELERATION = "max_wheel_acceleration"
+_TORQUE, _SOURCE = "max_wheel_torque", "odometry_source"
+_LATER = (_ACCELERATION, _TORQUE, _SOURCE)
+_HOLDERS_OF_JOINTS = ("robot", "model", "xacro:macro")
+_FAST = 1000  # rad/s, faster than any wheel: a <limit> of URDF has a velocity
 _BY_WHEELS = ("0", "encoder")  # where the odometry is from
 
 
 def port_plugin(port: Porter, node: Node) -> None:
     """Port a plugin that is not in a sensor or a world."""
     plugin = ClassicPlugin(node)
-    if plugin.stem in CONVERSIONS:
+    if _is_there(port, plugin):
+        port.editor.remove(node)
+    elif plugin.stem in CONVERSIONS:
         _convert(port, plugin, CONVERSIONS[plugin.stem])
     elif plugin.stem in _OTHERS:
         _OTHERS[plugin.stem](port, plugin)
@@ -66,6 +73,18 @@ def port_plugin(port: Porter, node: Node) -> None:
             f"xacro computes the name of the plugin: `{plugin.filename}`.",
             "Have it name a system of Gazebo Sim.",
         )
+
+
+def _is_there(port: Porter, plugin: ClassicPlugin) -> bool:
+    """Whether a robot for both simulators has what takes the place of a plugin anyway."""
+    same = COUNTERPARTS.get(plugin.stem, ())
+    return any(
+        one.name == "plugin"
+        and stem(one.get("filename")) in same
+        and one.conditions == plugin.node.conditions
+        and one.macro is plugin.node.macro
+        for one in port.nodes
+    )
 
 
 def _is_library(node: Node) -> bool:
@@ -107,7 +126,7 @@ def _convert(port: Porter, plugin: ClassicPlugin, made: Conversion) -> None:
     lost: dict[str, list[str]] = {}  # by what to do
     for name, node in plugin.parameters():
         new = made.renamed.get(name)
-        if node.name.startswith("xacro:") or name == _ACCELERATION:
+        if node.name.startswith("xacro:") or name in _LATER:
             continue
         if new is not None and (new not in values or new in _REPEATED):
             values[new], texts[new] = _renamed(port, node, name, new), node.text
@@ -225,12 +244,68 @@ def _odometry(
 
 def _diff_drive(port: Porter, plugin: ClassicPlugin, values: dict[str, str]) -> None:
     _limit_acceleration(port, plugin, values["wheel_separation"])
+    _limit_effort(port, plugin)
     rate = plugin.value("update_rate", plugin.default("update_rate"))
-    if plugin.value("odometry_source") in _BY_WHEELS:
-        port.editor.append(plugin.node, *_odometry(port, plugin, ODOMETRY_OF_WHEELS, rate))
-    else:
+    sources = plugin.all(_SOURCE)
+    for node in sources:
+        around = node.parent
+        condition = around if around is not None and around.name in CONDITIONS else None
+        if node.text in _BY_WHEELS and condition is not None:
+            port.editor.replace(node, _odometry(port, plugin, ODOMETRY_OF_WHEELS, rate))
+            continue
+        port.editor.remove(node)
+        if node.text in _BY_WHEELS:
+            port.editor.append(plugin.node, *_odometry(port, plugin, ODOMETRY_OF_WHEELS, rate))
+        else:
+            _publish_world_odometry(port, plugin, rate, condition)
+    if not sources:
         _publish_world_odometry(port, plugin, rate)
     _publish_wheels(port, plugin, TWO_WHEELS)
+
+
+def _limit_effort(port: Porter, plugin: ClassicPlugin) -> None:
+    """Have the joints of the wheels be as strong as the plugin made them."""
+    torque = plugin.find(_TORQUE)
+    if torque is None or not torque.text:
+        return
+    port.editor.remove(torque)
+    names = [node.text for tag in TWO_WHEELS for node in plugin.all(tag)]
+    joints = [one for one in port.nodes if one.name == "joint" and one.get("name") in names]
+    joints = [
+        one
+        for one in joints
+        if one.holder
+        and one.holder.name in _HOLDERS_OF_JOINTS
+        and (COMPUTED not in torque.text or one.macro is plugin.node.macro)
+    ]
+    if {one.get("name") for one in joints} != set(names) or not names:
+        port.leave(
+            plugin.node,
+            f"Its <{torque.name}> does not exist in Gazebo Sim.",
+            f"Write {torque.text} as the effort of the <limit> of the joints of the wheels.",
+        )
+        return
+    for joint in joints:
+        _set_effort(port, joint, torque.text)
+
+
+def _set_effort(port: Porter, joint: Node, effort: str) -> None:
+    if joint.is_in("robot"):
+        limit = joint.find("limit")
+        if limit is None:
+            attributes = f'effort="{effort}" velocity="{_FAST}"'
+            port.editor.append(joint, Block("limit", (), attributes))
+        elif number(limit.get("effort")) != number(effort) or number(effort) is None:
+            port.editor.set_attribute(limit, "effort", effort)
+        return
+    axis = joint.find("axis")
+    if axis is None:
+        return
+    limit = axis.find("limit")
+    if limit is None:
+        port.editor.append(axis, Block("limit", [Block("effort", effort)]))
+    else:
+        port.editor.put(limit, "effort", effort)
 
 
 def _limit_acceleration(port: Porter, plugin: ClassicPlugin, separation: str) -> None:
@@ -261,11 +336,17 @@ def _limit_acceleration(port: Porter, plugin: ClassicPlugin, separation: str) ->
     )
 
 
-def _publish_world_odometry(port: Porter, plugin: ClassicPlugin, rate: str) -> None:
+def _publish_world_odometry(
+    port: Porter, plugin: ClassicPlugin, rate: str, condition: Node | None = None
+) -> None:
     """Add what publishes where the robot is in the world, as drives of Gazebo Classic do."""
     blocks = _odometry(port, plugin, ODOMETRY, rate)
-    if blocks:
-        port.editor.add_behind(plugin.node, _new_plugin("OdometryPublisher", blocks))
+    if not blocks:
+        return
+    made = _new_plugin("OdometryPublisher", blocks)
+    if condition is not None:
+        made = Block(condition.name, [made], f'value="{condition.get("value")}"')
+    port.editor.add_behind(plugin.node, made)
 
 
 def _publish_wheels(port: Porter, plugin: ClassicPlugin, tags: Collection[str]) -> None:
@@ -283,11 +364,12 @@ def _publish_wheels(port: Porter, plugin: ClassicPlugin, tags: Collection[str]) 
     content.append(Block("update_rate", plugin.value("update_rate", plugin.default("update_rate"))))
     port.editor.add_behind(plugin.node, _new_plugin("JointStatePublisher", content))
     port.bridge(topic, "Model", topic)
-    port.leave(
-        plugin.node,
-        "It published the transforms of the wheels; Gazebo Sim publishes the joints.",
-        "Start robot_state_publisher, if no launch file does: it makes transforms of them.",
-    )
+    if not plugin.node.is_in("robot"):
+        port.leave(
+            plugin.node,
+            "It published the transforms of the wheels; Gazebo Sim publishes the joints.",
+            "Start robot_state_publisher, which makes transforms of them.",
+        )
 
 
 def _planar_move(port: Porter, plugin: ClassicPlugin, _: dict[str, str]) -> None:

@@ -15,7 +15,7 @@ from wsgen.gazebo.successors import (
 )
 from wsgen.porting.porter import ClassicPlugin, link_of, number
 from wsgen.porting.topics import absolute, folder
-from wsgen.porting.xml_edits import COMPUTED, Block
+from wsgen.porting.xml_edits import COMPUTED, Block, Copy
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -48,13 +48,15 @@ def port_sensor(port: Porter, sensor: Node) -> None:
     kind = kind_of(sensor)
     plugins = [ClassicPlugin(one) for one in sensor.children("plugin") if goes_with_sensor(one)]
     publishes = bool(plugins)
-    if kind == "sonar" or (kind == "multicamera" and publishes):
-        nearest = "gpu_lidar" if kind == "sonar" else "camera, one for each <camera>,"
+    if kind == "sonar":
         port.leave(
             sensor,
-            f"Gazebo Sim lacks sensors of the type {kind}.",
-            f"Write a sensor of the type {nearest} in its place.",
+            "Gazebo Sim lacks sensors of the type sonar.",
+            "Write a sensor of the type gpu_lidar in its place.",
         )
+        return
+    if kind == "multicamera":
+        _part_cameras(port, sensor, plugins)
         return
     becomes = SENSOR_TYPES.get(kind, kind) if kind != "depth" or publishes else kind
     if becomes != sensor.get("type"):
@@ -73,6 +75,45 @@ def port_sensor(port: Porter, sensor: Node) -> None:
         port.editor.remove(topic)
 
 
+def _part_cameras(port: Porter, sensor: Node, plugins: list[ClassicPlugin]) -> None:
+    """Make a sensor of each camera; the first one stays where it is."""
+    name = sensor.get("name")
+    common = [one for one in sensor.children() if one.name not in ("camera", "plugin", "topic")]
+    for place, camera in enumerate(sensor.children("camera")):
+        own = camera.get("name") or "default"
+        content = []
+        for plugin in plugins:
+            base = f"{plugin.value('camera_name') or name}/{own}"
+            image = plugin.topics.resolve(f"{base}/image_raw")
+            info = plugin.topics.resolve(f"{base}/camera_info")
+            port.bridge(image, "Image", image)
+            port.bridge(info, "CameraInfo", info)
+            content = [Block("topic", image)]
+            if frame := plugin.value("frame_name") or link_of(sensor):
+                content.append(Block(port.target.frame_tag, frame))
+        if place == 0:
+            port.editor.set_attribute(sensor, "type", "camera")
+            port.editor.set_attribute(sensor, "name", f"{name}_{own}")
+            port.editor.append(sensor, *content)
+        else:
+            port.editor.cut(camera)
+            copies = [*map(Copy, common), Copy(camera), *content]
+            attributes = f'name="{name}_{own}" type="camera"'
+            port.editor.add_behind(sensor, Block("sensor", copies, attributes))
+    for node in (*(one.node for one in plugins), *sensor.children("topic")):
+        port.editor.remove(node)
+    port.systems.add("Sensors")
+
+
+def _name_topic(port: Porter, sensor: Node, topic: str) -> str:
+    """Write the name of the topic; one that stands beside a frame of Gazebo Sim stays."""
+    said = sensor.value("topic")
+    if said and said != NO_TOPIC and any(map(sensor.find, FRAME_NAMES)):
+        return said
+    port.editor.put(sensor, "topic", topic)
+    return topic
+
+
 def _put_frame(port: Porter, sensor: Node, plugin: ClassicPlugin) -> None:
     """Name the frame of the messages, which is the link without a name."""
     frame = plugin.value("frame_name") or link_of(sensor)
@@ -82,8 +123,7 @@ def _put_frame(port: Porter, sensor: Node, plugin: ClassicPlugin) -> None:
 
 def _imu(port: Porter, sensor: Node, plugin: ClassicPlugin) -> None:
     topic = _output(plugin)
-    port.editor.put(sensor, "topic", topic)
-    port.bridge(topic, "IMU", topic)
+    port.bridge(_name_topic(port, sensor, topic), "IMU", topic)
     if plugin.value("initial_orientation_as_reference").lower() in ("true", "1"):
         return
     # Of Gazebo Sim's, the orientation is that since the beginning, if it is not said.
@@ -114,7 +154,7 @@ def _lidar(port: Porter, sensor: Node, plugin: ClassicPlugin) -> None:
     if _type_of(first) == CLOUD and base != POINTS:
         base = base.removesuffix(POINTS)
     if first.node.start == plugin.node.start:
-        port.editor.put(sensor, "topic", base)
+        base = _name_topic(port, sensor, base)
     if kind not in (SCAN, RANGE, CLOUD) and COMPUTED not in kind:
         port.leave(
             plugin.node,
@@ -168,11 +208,14 @@ def _camera(port: Porter, sensor: Node, plugin: ClassicPlugin) -> None:
         _depth(port, sensor, plugin, topics.expand(base), names)
     else:
         image, info = names["image"], names["info"]
-        port.editor.put(sensor, "topic", image)
-        port.bridge(image, "Image", image)
-        port.bridge(info, "CameraInfo", info)
-        if absolute(info) != absolute(f"{folder(image)}/camera_info") and camera is not None:
+        named = _name_topic(port, sensor, image)
+        port.bridge(named, "Image", image)
+        beside = absolute(f"{folder(named)}/camera_info")
+        said = camera.value("camera_info_topic") if camera is not None else ""
+        if camera is not None and named == image and beside != absolute(info):
             port.editor.put(camera, "camera_info_topic", info)
+            said = info
+        port.bridge(said or beside, "CameraInfo", info)
     if number(plugin.value("hack_baseline")) not in (None, 0.0):
         port.leave(
             plugin.node,
@@ -184,7 +227,7 @@ def _camera(port: Porter, sensor: Node, plugin: ClassicPlugin) -> None:
 def _depth(
     port: Porter, sensor: Node, plugin: ClassicPlugin, base: str, names: dict[str, str]
 ) -> None:
-    port.editor.put(sensor, "topic", base)
+    base = _name_topic(port, sensor, base)
     for ending, gz_type, uses in (
         ("image", "Image", ("image",)),
         ("camera_info", "CameraInfo", ("info", "depth info")),
@@ -232,8 +275,7 @@ def _contact(port: Porter, sensor: Node, plugin: ClassicPlugin) -> None:
 
 def _navsat(port: Porter, sensor: Node, plugin: ClassicPlugin) -> None:
     topic = _output(plugin)
-    port.editor.put(sensor, "topic", topic)
-    port.bridge(topic, "NavSat", topic)
+    port.bridge(_name_topic(port, sensor, topic), "NavSat", topic)
     port.leave(
         plugin.node,
         f"It published the velocity, too, on `{plugin.topics.resolve('~/vel')}`.",

@@ -19,7 +19,7 @@ _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _BLANK_BEFORE = re.compile(r"\n([ \t]*\r?\n)\Z")
 _BLANK_OR_END = re.compile(r"[ \t]*(?:\r?\n|</)")
 _LONGEST_BLANK = 200  # characters
-_CONDITIONS = ("xacro:if", "xacro:unless")
+CONDITIONS = ("xacro:if", "xacro:unless")
 COMPUTED = "$"  # in what xacro replaces
 _UNIT = "  "  # of indentation, where the text does not show one
 
@@ -67,7 +67,7 @@ class Node:
     def children(self, *names: str) -> Iterator[Node]:
         """Those of these names, or all; those that xacro leaves out or not are among them."""
         for child in self.written:
-            if child.name in _CONDITIONS:
+            if child.name in CONDITIONS:
                 yield from child.children(*names)
             elif not names or child.name in names:
                 yield child
@@ -98,9 +98,21 @@ class Node:
         return any(one.name in names for one in self.ancestors())
 
     @property
+    def conditions(self) -> list[str]:
+        """The conditions of xacro that it depends on, as they are written."""
+        return [
+            f"{one.name} {one.get('value')}" for one in self.ancestors() if one.name in CONDITIONS
+        ]
+
+    @property
+    def macro(self) -> Node | None:
+        """The macro of xacro that it is in, whose parameters it may use."""
+        return next((one for one in self.ancestors() if one.name == "xacro:macro"), None)
+
+    @property
     def holder(self) -> Node | None:
         """What has it, if not in a condition of xacro."""
-        return next((one for one in self.ancestors() if one.name not in _CONDITIONS), None)
+        return next((one for one in self.ancestors() if one.name not in CONDITIONS), None)
 
 
 def read_nodes(source: SourceText) -> list[Node]:
@@ -139,6 +151,21 @@ class Block:
             for child in self.content:
                 yield from (f"{unit}{line}" for line in child.lines(unit))
             yield f"</{self.name}>"
+
+
+class Copy(Block):
+    """An element to add as another one is written, with what it contains."""
+
+    def __init__(self, node: Node) -> None:
+        super().__init__(node.name)
+        self._node = node
+
+    def lines(self, unit: str) -> Iterator[str]:  # noqa: ARG002  it has a layout
+        """As in the base."""
+        source = self._node.source
+        indent = source.indent_at(self._node.start)
+        for line in source.text[self._node.start : self._node.end].splitlines():
+            yield line.removeprefix(indent)
 
 
 class Editor:
@@ -271,6 +298,12 @@ class Editor:
         else:
             indent = self.source.indent_at(node.start)
             self._edit(start, end, "".join(f"{indent}{one}{self._newline}" for one in comments))
+
+    def cut(self, node: Node) -> None:
+        """Remove an element with its line and all that it contains, which stands elsewhere now."""
+        start, end = self.source.whole_lines(node.start, node.end)
+        self._gone.append((start, end))
+        self._edit(start, end, "")
 
     def replace(self, node: Node, blocks: Iterable[Block]) -> None:
         """Put elements in the place of one; comments in it come before them."""
