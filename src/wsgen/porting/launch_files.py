@@ -456,9 +456,18 @@ class _Port(PythonEdits):
                 self.rename(text, (OLD_PACKAGE, PACKAGE))
                 self.packages.add(PACKAGE)
         for text in self.texts(self.tree.module, depth=0):
+            if text.text in DEFAULT_WORLDS[1:] and self._is_whole_value(text.node):
+                self.replace(text.node, self._default_world())
             new = NAMES.get(text.text)
             if new is not None:
                 self.rename(text, (text.text, new))
+
+    def _is_whole_value(self, node: ast.expr) -> bool:
+        """Whether it is what a launch argument is given, or its default."""
+        parent = self.parents.get(node)
+        if isinstance(parent, ast.keyword):
+            return parent.arg in {"default_value", "default"}
+        return isinstance(parent, ast.Dict) and node in parent.values
 
     def _rest(self) -> None:
         """List what still names it."""

@@ -28,7 +28,7 @@ from wsgen.porting.worlds import model_names, new_world, port_world
 from wsgen.text.files import list_files, real_path, remembering
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Collection, Collection, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.checks.fixes.source import SourceText
@@ -44,6 +44,7 @@ _OF_XML = (".urdf", ".xacro", ".gazebo", ".sdf", ".world", ".xml", ".trans", ".u
 _ROBOT, _SDF, _WORLD, _LAUNCH = (
     re.compile(rf"<{name}\b") for name in ("robot", "sdf", "world", "launch")
 )
+_MODEL = "model.config"  # in the folder of a model
 _HOOKS = (".sh", ".sh.in", ".dsv", ".dsv.in")
 _CODE = (".cpp", ".cc", ".cxx", ".c", ".hpp", ".hh", ".h")
 _OF_CLASSIC = re.compile(
@@ -161,12 +162,19 @@ def _port_launch_files(
     rows: Mapping[str, Mapping[int, Sequence[BridgeRow]]],
     systems: frozenset[str],
 ) -> None:
+    own = next(
+        (one.file for one in port.files((".world", ".sdf")) if one.file.stem == "empty"), None
+    )
+    world = DEFAULT_WORLD if systems else None
+    if own is not None:
+        world = own.relative_to(port.package.path).as_posix()
+
     def context(source: SourceText) -> Context:
         return Context(
             rows=rows.get(real_path(source.file), {}),
             package=port.package.name,
             distro=target.distro,
-            default_world=DEFAULT_WORLD if systems else None,
+            default_world=world,
         )
 
     for source in port.files((".py",)):
