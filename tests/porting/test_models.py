@@ -12,8 +12,13 @@ from typing import TYPE_CHECKING
 import pytest
 
 from wsgen.checks.fixes.source import SourceText, apply, overlap
+from wsgen.checks.rules.check import check_robot
+from wsgen.checks.rules.gazebo_topics import topics_of
+from wsgen.descriptions.urdf.reader import read_urdf
+from wsgen.diagnostics import Severity
 from wsgen.model.target import choose_target
 from wsgen.porting.models import bridge_rows, port_model
+from wsgen.text.xmltree import Malformed, parse
 
 if TYPE_CHECKING:
     from wsgen.model.target import Target
@@ -752,6 +757,63 @@ def test_keeps_the_topics_of_ros(name: str) -> None:
     ] == CASES[name][2]
 
 
+@pytest.mark.parametrize(
+    "name", [name for name, (before, _, _) in CASES.items() if "$" not in before]
+)
+def test_bridges_what_gazebo_has(name: str) -> None:
+    root = parse(CASES[name][1])
+    assert not isinstance(root, Malformed)
+    there = {(one.name, one.type, one.is_published) for one in topics_of(root, "robot", "world")}
+    for row in bridge_rows(CASES[name][0], JAZZY):
+        assert (row.gz_topic, row.gz_type, row.direction == "[") in there
+
+
+def wheel(side: str) -> str:
+    """A wheel with its joint."""
+    return f"""
+  <link name="{side}_wheel">
+    <inertial><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
+    <visual><geometry><sphere radius="0.1"/></geometry></visual>
+    <collision><geometry><sphere radius="0.1"/></geometry></collision>
+  </link>
+  <joint name="{side}" type="continuous">
+    <parent link="camera_link"/>
+    <child link="{side}_wheel"/>
+    <origin xyz="0 {0.25 if side == "left" else -0.25} 0"/>
+    <axis xyz="0 1 0"/>
+  </joint>"""
+
+
+def frame(name: str) -> str:
+    """A link that is a frame alone."""
+    return f"""
+  <link name="{name}"/>
+  <joint name="to_{name}" type="fixed">
+    <parent link="camera_link"/>
+    <child link="{name}"/>
+  </joint>"""
+
+
+WHOLE = f"""<robot name="whole">
+  <link name="camera_link">
+    <inertial><mass value="5"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <visual><geometry><box size="0.3 0.3 0.1"/></geometry></visual>
+    <collision><geometry><box size="0.3 0.3 0.1"/></geometry></collision>
+  </link>{wheel("left")}{wheel("right")}{"".join(map(frame, ("laser", "optical", "imu_link")))}
+"""
+
+
+@pytest.mark.parametrize("name", SENSORS)
+def test_is_right_for_gazebo_sim(name: str) -> None:
+    drive = re.sub(r"\$\{.*?\}(?=left|right)", "", DIFF_DRIVE).replace("${2*radius}", "0.2")
+    parts = [re.sub("</?robot>", "", one) for one in (drive, CASES[name][0])]
+    robot, found = read_urdf(ported("".join((WHOLE, *parts, "</robot>\n"))), file=FILE)
+    assert robot is not None
+    found = (*found, *check_robot(robot, FILE, simulator="gz", distro="jazzy"))
+    wrong = [one for one in found if one.severity is not Severity.INFO]
+    assert [one.message for one in wrong] == []
+
+
 def test_keeps_the_line_ends() -> None:
     text = DIFF_DRIVE.replace("\n", "\r\n")
     assert ported(text) == DIFF_DRIVE_AFTER.replace("\n", "\r\n")
@@ -844,9 +906,9 @@ def test_makes_a_comment_of_what_has_no_counterpart() -> None:
 
 def test_names_the_systems_and_packages_that_are_needed() -> None:
     port = port_model(SourceText(FILE, CASES["imu"][0]), JAZZY)
-    assert (port.systems, port.packages) == ({"Imu"}, frozenset())
+    assert (port.systems, port.packages) == (frozenset({"Imu"}), frozenset())
     port = port_model(SourceText(FILE, CASES["ros2_control"][0]), JAZZY)
-    assert (port.systems, port.packages) == (frozenset(), {"gz_ros2_control"})
+    assert (port.systems, port.packages) == (frozenset(), frozenset({"gz_ros2_control"}))
 
 
 def test_leaves_plugins_of_worlds_alone() -> None:

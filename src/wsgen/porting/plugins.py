@@ -397,10 +397,12 @@ def _ackermann(port: Porter, plugin: ClassicPlugin, values: dict[str, str]) -> N
 
 def _ground_truth(port: Porter, plugin: ClassicPlugin, values: dict[str, str]) -> None:
     port.editor.append(plugin.node, Block("dimensions", "3"))
-    if plugin.value("frame_name") not in ("", "world", "map", "/world", "/map"):
+    frame = values["odom_frame"]
+    # Of another frame than that of a link, the plugin gives the pose in the world.
+    if any(one.name == "link" and one.get("name") == frame for one in port.nodes):
         port.leave(
             plugin.node,
-            f"The pose is that in the world, and no longer that in `{values['odom_frame']}`.",
+            f"The pose is that in the world, and no longer that in `{frame}`.",
             "Compute the pose with tf2.",
         )
 
