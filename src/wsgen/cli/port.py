@@ -7,13 +7,16 @@ from typing import TYPE_CHECKING
 import click
 
 from wsgen.cli.options import Choice, ExampleCommand, output_options, workspace_option
-from wsgen.cli.terminal import echo
-from wsgen.errors import EXIT_PASSED
+from wsgen.cli.terminal import draw_table, echo
+from wsgen.errors import EXIT_FAILED, EXIT_PASSED, RequestError
 from wsgen.model.facts import WITHOUT_CLASSIC
 from wsgen.model.target import CLASSIC, SIM, SIMULATORS
 
 if TYPE_CHECKING:
+    from wsgen.model.target import Target
+    from wsgen.pipeline.check_targets import Targets
     from wsgen.porting.plan import PortPlan
+    from wsgen.porting.proof import Proof
 
 
 @click.command(
@@ -21,7 +24,7 @@ if TYPE_CHECKING:
     epilog="What cannot be ported stays, and is listed. Ported again, nothing changes.",
     examples=(
         "wsgen port src/my_robot --to jazzy --diff",
-        "wsgen port --to kilted",
+        "wsgen port --to kilted --check",
     ),
 )
 @click.argument("paths", nargs=-1, type=click.Path(readable=False), metavar="[PATH]...")
@@ -35,6 +38,18 @@ if TYPE_CHECKING:
 )
 @click.option("--diff", is_flag=True, help="Show what would change; write nothing.")
 @click.option("--force", is_flag=True, help="Write also over what git cannot take back.")
+@click.option(
+    "--check",
+    "is_proof",
+    is_flag=True,
+    help="Simulate the robots before and after the port, and compare them; write nothing.",
+)
+@click.option(
+    "--before",
+    type=click.Path(readable=False),
+    metavar="FOLDER",
+    help="With --check: the packages before their port, if git does not have them.",
+)
 @output_options
 def command(
     paths: tuple[str, ...],
@@ -43,6 +58,8 @@ def command(
     distro: str,
     diff: bool,
     force: bool,
+    is_proof: bool,
+    before: str | None,
     quiet: bool,
     verbose: bool,
 ) -> int:
@@ -59,10 +76,14 @@ def command(
     from wsgen.porting.plan import plan_port
     from wsgen.porting.write import refuse_unsaved, write_port
 
+    _refuse_useless(is_proof=is_proof, before=before, writes=diff or force)
     targets = find_targets([Path(path) for path in paths], workspace)
-    if not (diff or force):
+    if not (diff or force or is_proof):
         refuse_unsaved(package.path for package in targets.packages)
-    plan = plan_port(targets, Target(distro=distro, simulator=SIM), os.environ)
+    target = Target(distro=distro, simulator=SIM)
+    if is_proof:
+        return _prove(targets, target, before, quiet=quiet)
+    plan = plan_port(targets, target, os.environ)
     if diff or verbose:
         _print_diff(plan)
     if diff:
@@ -75,6 +96,68 @@ def command(
     for line in _summary(plan, distro, quiet=quiet):
         echo(line)
     return EXIT_PASSED
+
+
+def _refuse_useless(*, is_proof: bool, before: str | None, writes: bool) -> None:
+    """Refuse options that would have no effect.
+
+    Raises:
+        RequestError: One is given.
+    """
+    if before is not None and not is_proof:
+        raise RequestError("`--before` is for --check.", hint="Add --check, or omit --before.")
+    if is_proof and writes:
+        raise RequestError(
+            "`--check` writes nothing: --diff and --force cannot be used with it.",
+            hint="Omit --check, or the other option.",
+        )
+
+
+def _prove(targets: Targets, target: Target, before: str | None, *, quiet: bool) -> int:
+    """Compare the robots before and after a port; gives the exit code."""
+    import os
+    from pathlib import Path
+
+    from wsgen.pipeline.check_targets import find_targets
+    from wsgen.porting.plan import plan_port
+    from wsgen.porting.proof import prove_port
+
+    proof = prove_port(
+        targets,
+        target,
+        os.environ,
+        lambda: plan_port(targets, target, os.environ),
+        before=None if before is None else find_targets([Path(before)]),
+    )
+    for line in _compared(proof, quiet=quiet):
+        echo(line)
+    return EXIT_PASSED if proof.passed else EXIT_FAILED
+
+
+def _compared(proof: Proof, *, quiet: bool) -> list[str]:
+    """The table of a proof, and its verdict; with `quiet`, what differs alone."""
+    words = {True: "same", False: "different", None: "not compared"}
+    rows, robot = [], ""
+    for row in proof.rows:
+        if quiet and row.is_same:
+            continue
+        is_new = quiet or row.robot != robot
+        robot = row.robot
+        aspect = f"{'' if quiet or not row.is_detail else '  '}{row.aspect}"
+        rows.append((robot if is_new else "", aspect, row.before, row.after, words[row.is_same]))
+    headings = ("robot", "aspect", "before", "after", "")
+    lines = draw_table(rows, headings=headings, wrapped=(2, 3), quiet=quiet)
+    if quiet:
+        return lines
+    differing = sum(row.is_same is False and not row.is_detail for row in proof.rows)
+    unknown = sum(row.is_same is None for row in proof.rows)
+    verdict = (
+        f"{differing} of {sum(not row.is_detail for row in proof.rows)} differ"
+        if differing
+        else "The robots do what they did before"
+    )
+    more = f"; {unknown} could not be compared" if unknown else ""
+    return [f"Before: {proof.before}", "", *lines, "", f"{verdict}{more}."]
 
 
 def _print_diff(plan: PortPlan) -> None:

@@ -607,6 +607,12 @@ def stem(filename: str) -> str:
     return name
 
 
+def node_name(text: str) -> str:
+    """A name that ROS takes for a node: Gazebo Sim's plugins are called as their classes."""
+    name = re.sub(r"[^A-Za-z0-9_]", "_", text)
+    return f"_{name}" if name[:1].isdigit() else name or "gazebo"
+
+
 # Libraries that carry a model in water or air: those of gz-sim, Gazebo Classic, uuv_simulator, vrx
 # and asv_wave_sim.
 _CARRIES = lazy_pattern(

@@ -39,6 +39,29 @@ SENSORS = {
     **dict.fromkeys(("navsat", "gps"), SensorTopics("/navsat", (("", "NavSat"),))),
 }
 
+# Plugin of a sensor in Gazebo Classic, as `stem` gives it -> its topics as nodes of ROS name them,
+# with their types. `{camera}` is <camera_name>, or the name of the sensor; `{output_type}` is a
+# parameter.
+# Source: ros-simulation/gazebo_ros_pkgs, branch ros2, gazebo_plugins/src.
+_IMAGE, _INFO = "sensor_msgs/Image", "sensor_msgs/CameraInfo"
+TOPICS_OF_CLASSIC = {
+    "gazebo_ros_bumper": {"bumper_states": "gazebo_msgs/ContactsState"},
+    "gazebo_ros_camera": {"{camera}/image_raw": _IMAGE, "{camera}/camera_info": _INFO},
+    "gazebo_ros_gps_sensor": {
+        "~/out": "sensor_msgs/NavSatFix",
+        "~/vel": "geometry_msgs/Vector3Stamped",
+    },
+    "gazebo_ros_imu_sensor": {"~/out": "sensor_msgs/Imu"},
+    "gazebo_ros_ray_sensor": {"~/out": "{output_type}"},
+}
+# Those that its camera has besides for a depth camera.
+TOPICS_OF_DEPTH = {
+    "{camera}/depth/image_raw": _IMAGE,
+    "{camera}/depth/camera_info": _INFO,
+    "{camera}/points": "sensor_msgs/PointCloud2",
+}
+DEPTH_KINDS = ("depth", "depth_camera")
+
 # Kind of a sensor -> the system without which it sends nothing. Where a robot or model has the
 # system it works for all, but for the default ones, which ask for the name of a world.
 SYSTEM_OF_SENSOR = {

@@ -6,13 +6,8 @@ import math
 from dataclasses import field
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
-from wsgen.live.nodes.simulator.topics import (
-    GzTopics,
-    Publisher,
-    RosPublisher,
-    node_name,
-    written_qos,
-)
+from wsgen.gazebo.plugins import node_name
+from wsgen.live.nodes.simulator.topics import GzTopics, Publisher, RosPublisher, written_qos
 from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:

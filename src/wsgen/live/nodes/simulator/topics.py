@@ -374,12 +374,6 @@ class BadNameError(Exception):
     """ROS refuses a name, a namespace or an argument; the text says which and why."""
 
 
-def node_name(text: str) -> str:
-    """A name that ROS takes for a node: Gazebo Sim's plugins are called as their classes."""
-    name = re.sub(r"[^A-Za-z0-9_]", "_", text)
-    return f"_{name}" if name[:1].isdigit() else name or "gazebo"
-
-
 def written_qos(ros: Element | None, topic: str, depth: int, end: str = "publisher") -> Any:
     """The QoS of a topic: reliable, of that depth, or what <ros> says of its `end` in the plugin.
 

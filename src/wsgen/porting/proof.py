@@ -1,0 +1,531 @@
+"""The proof of a port: the robots before and after, simulated in the same engine and compared.
+
+Nothing is built: install spaces are laid out with links to the sources. "Before" is the package as
+it is, and "after" the port in memory; of a package that is ported already, "before" is a commit.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import shutil
+import subprocess
+import tarfile
+from collections import Counter, defaultdict
+from dataclasses import replace
+from io import BytesIO
+from operator import itemgetter
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from wsgen.diagnostics import has_errors
+from wsgen.errors import RequestError
+from wsgen.isolation.parent import make_part, make_scratch
+from wsgen.model.behavior import Behavior, Drive
+from wsgen.model.target import CLASSIC, SIM
+from wsgen.model.transform import multiply, rotation_of_rpy, transpose
+from wsgen.packages.workspace.layout import Workspace, find_packages, read_package
+from wsgen.packages.workspace.settings import Settings
+from wsgen.pipeline.behavior_plan import plan_behaviors
+from wsgen.pipeline.candidates import simulation_of
+from wsgen.pipeline.check_package import PackageCheck
+from wsgen.pipeline.installed_as_built import lay_out
+from wsgen.pipeline.package_validation import Validation
+from wsgen.pipeline.parallel import start_children
+from wsgen.pipeline.reported import run_git
+from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
+from wsgen.pipeline.run_robots import simulate_robots
+from wsgen.porting.robot_topics import RosTopic, topics_of_robot
+from wsgen.text.files import remembering
+from wsgen.text.values import dataclass
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+
+    from wsgen.isolation.parent import Run
+    from wsgen.model.outcome import RobotOutcome
+    from wsgen.model.target import Target
+    from wsgen.model.transform import Pose
+    from wsgen.packages.workspace.layout import PackageFolder
+    from wsgen.pipeline.candidates import Candidate
+    from wsgen.pipeline.check_targets import Targets
+    from wsgen.porting.plan import PortPlan
+
+
+# What stays the same: m and degrees of the rest pose, the share of a way, and of a mass.
+NEAR, TILTED = 0.005, 1.0
+SHARE, LEAST_WAY = 0.05, 0.01  # the second in m or rad
+OF_MASS = 1e-3
+# What drives show: in m/s and rad/s, each for so many seconds.
+_DRIVES = {"drive ahead": Drive(linear=0.3), "turn": Drive(angular=0.5)}
+_SECONDS = 3.0
+# A type of messages in Gazebo Classic -> that which takes its place in Gazebo Sim.
+_SUCCESSORS = {"gazebo_msgs/ContactsState": "ros_gz_interfaces/Contacts"}
+# How many commits are looked at for the package as it was, and how many of them with Classic.
+_MOST_COMMITS, _MOST_OF_CLASSIC = 20, 6
+_SOURCES = ("*.xml", "*.py", "*.txt", "*.xacro", "*.urdf", "*.sdf", "*.world", "*.gazebo")
+_OF_CLASSIC = "gazebo_ros"
+_MINUTES = 120  # s, that git may take for the files of a commit
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measured:
+    """A robot that a launch file spawns, as it is simulated."""
+
+    package: str
+    launch_file: str  # its file name
+    entity: str
+    simulator: str | None  # "classic" or "gz"
+    links: frozenset[str] = frozenset()
+    joints: frozenset[str] = frozenset()
+    mass: float = 0.0  # kg
+    topics: frozenset[RosTopic] = frozenset()
+    rest: Pose | None = None  # in the world, of the root link; None: it was not simulated
+    ways: Mapping[str, tuple[float, float, float]]  # m, m, rad; by what it did
+    problem: str = ""  # why it was not simulated
+
+
+class Side(NamedTuple):
+    """The robots before or after a port."""
+
+    robots: tuple[Measured, ...]
+    problems: Mapping[str, str]  # by names of launch files: what is wrong with them
+
+
+class Compared(NamedTuple):
+    """One aspect of a robot, before and after."""
+
+    robot: str
+    aspect: str
+    before: str
+    after: str
+    is_same: bool | None  # None: it cannot be compared
+    is_detail: bool = False  # of the one before it
+
+
+@dataclass(frozen=True, kw_only=True)
+class Proof:
+    """What was compared."""
+
+    before: str  # what it is: "as it is", or a commit
+    rows: tuple[Compared, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether all is the same that should be, and there is something to compare."""
+        return bool(self.rows) and all(row.is_same is not False for row in self.rows)
+
+
+def prove_port(
+    targets: Targets,
+    target: Target,
+    environment: Mapping[str, str],
+    plan: Callable[[], PortPlan],
+    *,
+    before: Targets | None = None,
+) -> Proof:
+    """Compare packages before and after their port; nothing of the user's is written.
+
+    Args:
+        targets: The packages, for Gazebo Classic or ported already.
+        target: What they are, or were, ported to.
+        environment: That of the command.
+        plan: Plans the port of those for Gazebo Classic.
+        before: The packages as they were, where that is not for git to say.
+
+    Raises:
+        RequestError: No launch file spawns a robot, or it is not known how the packages were.
+    """
+    if before is not None:
+        return _compared(
+            "as given", _measure(before, environment, None), targets, target, environment
+        )
+    now = _measure(targets, environment, None, is_simulated=False)
+    if any(robot.simulator == CLASSIC for robot in now.robots):
+        with make_scratch() as scratch:
+            after = _ported(targets, plan(), scratch)
+            return _compared(
+                "as it is", _measure(targets, environment, None), after, target, environment
+            )
+    if not now.robots:
+        raise RequestError(
+            "No launch file of the packages spawns a robot that could be compared."
+            + "".join(f" {name}: {problem}" for name, problem in now.problems.items()),
+            hint="Give the package with the launch file, or the workspace.",
+        )
+    with make_scratch() as scratch:
+        commit, before = _before(targets, environment, scratch)
+        measured = _measure(before, environment, None)
+        return _compared(f"commit {commit}", measured, targets, target, environment)
+
+
+def _compared(
+    name: str, before: Side, after: Targets, target: Target, environment: Mapping[str, str]
+) -> Proof:
+    return Proof(
+        before=name, rows=tuple(compare(before, _measure(after, environment, target.distro)))
+    )
+
+
+# The two sides
+
+
+def _ported(targets: Targets, plan: PortPlan, scratch: Path) -> Targets:
+    """The packages with their port, in a scratch folder: what is large are links."""
+    new: dict[Path, bytes] = {one.file: one.data for one in plan.files}
+    new |= {file: text.encode() for file, text in plan.created}
+    packages = []
+    for number, package in enumerate(targets.packages):
+        folder = scratch / str(number) / package.path.name
+        for file in _files_of(package.path):
+            place = folder / file.relative_to(package.path)
+            place.parent.mkdir(parents=True, exist_ok=True)
+            if file in new:
+                continue
+            # Launch files may look for others beside themselves, wherever a link leads.
+            if file.suffix == ".py" and not file.is_symlink():
+                shutil.copyfile(file, place)
+            else:
+                place.symlink_to(file.resolve())
+        for file, data in new.items():
+            if file.is_relative_to(package.path):
+                place = folder / file.relative_to(package.path)
+                place.parent.mkdir(parents=True, exist_ok=True)
+                place.write_bytes(data)
+        packages.append(_package_at(folder, package))
+    return targets._replace(packages=tuple(packages))
+
+
+def _files_of(folder: Path) -> Iterator[Path]:
+    for here, folders, files in os.walk(folder):
+        folders[:] = [name for name in folders if name != ".git"]
+        yield from (Path(here, name) for name in files)
+
+
+def _package_at(folder: Path, like: PackageFolder) -> PackageFolder:
+    found = read_package(folder)
+    return like if found is None else found
+
+
+def _before(targets: Targets, environment: Mapping[str, str], scratch: Path) -> tuple[str, Targets]:
+    """The commit before the port, and the packages in it.
+
+    It is the newest in which they spawn robots in Gazebo Classic that have the most topics there: a
+    port of several commits leaves some out on the way.
+
+    Raises:
+        RequestError: There is none.
+    """
+    names = {package.name for package in targets.packages}
+    hint = "Give a folder with the package as it was: --before FOLDER"
+    program, folder = shutil.which("git"), targets.packages[0].path
+    top = run_git(program, folder, "rev-parse", "--show-toplevel") if program else None
+    if program is None or top is None:
+        raise RequestError(
+            f"{', '.join(sorted(names))} is for Gazebo Sim already, and {folder} is in no git "
+            "repository that has it as it was before.",
+            hint=hint,
+        )
+    root = Path(top.strip("\n"))
+    found: list[tuple[int, str, Targets]] = []
+    for number, commit in enumerate(_commits(program, root)):
+        place = scratch / str(number)
+        there = _checked_out(program, root, commit, place)
+        packages = tuple(package for package in there if package.name in names)
+        if not packages:
+            continue
+        around = (Workspace(root=place), *targets.workspaces)
+        before = targets._replace(packages=packages, workspaces=around, only=())
+        side = _measure(before, environment, None, is_simulated=False)
+        robots = [robot for robot in side.robots if robot.simulator == CLASSIC]
+        if robots:
+            found.append((sum(len(robot.topics) for robot in robots), commit[:10], before))
+        if len(found) == _MOST_OF_CLASSIC:
+            break
+    if found:
+        _, commit, before = max(found, key=itemgetter(0))
+        return commit, before
+    raise RequestError(
+        f"{', '.join(sorted(names))} is for Gazebo Sim, and no commit of {root} was found in which "
+        "one of its launch files spawns a robot in Gazebo Classic.",
+        hint=hint,
+    )
+
+
+def _commits(program: str, root: Path) -> Iterator[str]:
+    """Commits that name packages of Gazebo Classic: the newest first, then those before changes."""
+    log = ("log", f"-{_MOST_COMMITS}", "--format=%P", f"-S{_OF_CLASSIC}", "--", *_SOURCES)
+    parents = (run_git(program, root, *log) or "").split("\n")
+    for commit in dict.fromkeys(["HEAD", *(line.partition(" ")[0] for line in parents)]):
+        names_it = ("grep", "--quiet", _OF_CLASSIC, commit, "--", *_SOURCES)
+        if commit and run_git(program, root, *names_it) is not None:
+            found = run_git(program, root, "rev-parse", commit)
+            yield commit if found is None else found.strip()
+
+
+def _checked_out(program: str, root: Path, commit: str, place: Path) -> tuple[PackageFolder, ...]:
+    """The packages in the files of a commit, in a folder; none where git does not have them all."""
+    run = subprocess.run(
+        [program, "-C", root, "archive", "--format=tar", commit],
+        capture_output=True,
+        timeout=_MINUTES,
+        check=False,
+    )
+    if run.returncode:
+        return ()
+    with tarfile.open(fileobj=BytesIO(run.stdout)) as archive:
+        archive.extractall(place, filter="data")
+    return find_packages(Workspace(root=place))
+
+
+def _measure(
+    targets: Targets,
+    environment: Mapping[str, str],
+    distro: str | None,
+    *,
+    is_simulated: bool = True,
+) -> Side:
+    """The robots that the launch files of packages spawn; without simulation, only which."""
+    robots: list[Measured] = []
+    problems: dict[str, str] = {}
+    # Each side is for its own distribution, whatever is sourced.
+    variables = {name: value for name, value in environment.items() if name != "ROS_DISTRO"}
+    with (
+        remembering(),
+        make_scratch(in_memory=True) as scratch,
+        make_scratch() as work,
+        start_children() as run,
+    ):
+        installed = lay_out(targets, scratch, variables)
+        for package in targets.packages:
+            if package.diagnostics:
+                continue
+            check = PackageCheck(package, installed, distro, None, run, work)
+            known = set()
+            for candidate in check.evaluate():
+                started = candidate.started
+                wrong = [one for one in started.plan.diagnostics if has_errors((one,))]
+                if wrong:
+                    problems[candidate.file.name] = installed.text(wrong[0].message)
+                if not (started.is_evaluated and started.has_spawner):
+                    continue
+                same = simulation_of(candidate), tuple(map(str, started.plan.processes))
+                if same in known:
+                    continue
+                known.add(same)
+                with make_part(work) as folder:
+                    robots += _robots_of(check, candidate, folder, run, is_simulated=is_simulated)
+    return Side(tuple(robots), problems)
+
+
+def _robots_of(
+    check: PackageCheck, candidate: Candidate, folder: Path, run: Run, *, is_simulated: bool
+) -> Iterator[Measured]:
+    """The robots of a launch file."""
+    started, package = candidate.started, check.package
+    request = ValidateRequest(is_live=True, seconds=_SECONDS)
+    selected = SelectedPackage(
+        name=package.name,
+        source=package.path,
+        share=check.overlay.share(package.name),
+        launch_file=candidate.file,
+        started=started,
+    )
+    validation = Validation(selected, check.overlay, request, None, run)
+    world, scene = validation.read(folder)
+    kind = validation.simulator_kind
+    outcomes: dict[str, RobotOutcome] = {}
+    found = validation.diagnostics
+    if world is not None and is_simulated:
+        behaviors = tuple(
+            Behavior(name=f"{name} {one.entity}", task=task, seconds=_SECONDS, robot=one.entity)
+            for one in scene
+            if one.drive is not None
+            for name, task in _DRIVES.items()
+        )
+        settings = Settings(file=package.path / "package.xml", behaviors=behaviors)
+        plan = plan_behaviors(settings, scene, simulator=kind)
+        # With the physics of one simulator: what they do differently is no matter of the port.
+        world = replace(world, simulator=SIM)
+        simulated = simulate_robots(
+            world, scene, request, package.name, run=run, behavior_plan=plan
+        )
+        outcomes = {one.entity: one for one in simulated.robots}
+        found = simulated.diagnostics_after(found)
+    problems = [one.message for one in found if has_errors((one,))]
+    name = None if validation.world_file is None or world is None else world.name
+    for one in scene:
+        if one.is_static_model or one.may_move:
+            continue
+        outcome = outcomes.get(one.entity)
+        yield Measured(
+            package=package.name,
+            launch_file=candidate.file.name,
+            entity=one.entity,
+            simulator=kind,
+            links=frozenset(link.name for link in one.written.links),
+            joints=frozenset(joint.name for joint in one.written.joints),
+            mass=sum(link.inertial.mass for link in one.written.links if link.inertial),
+            topics=topics_of_robot(one, started, kind, name),
+            rest=None if outcome is None or outcome.rest is None else outcome.rest.pose_in_world,
+            ways={
+                task: behavior.moved
+                for task in _DRIVES
+                for behavior in (outcome.behaviors if outcome is not None else ())
+                if behavior.name == f"{task} {one.entity}" and behavior.moved is not None
+            },
+            problem=check.installed.text(problems[0]) if problems else "",
+        )
+
+
+# The comparison
+
+
+def compare(before: Side, after: Side) -> Iterator[Compared]:
+    """What is the same of each robot that there was before, and what is not."""
+    # Launch files that differ in the same aspects of a robot are shown as one.
+    alike: dict[tuple[str, object], list[tuple[Measured, list[Compared]]]] = {}
+    for old, new in _pairs(before.robots, after.robots):
+        if new is None:
+            why = after.problems.get(old.launch_file, "no launch file spawns it")
+            rows = [Compared(old.entity, "robot", old.launch_file, why, is_same=False)]
+        else:
+            rows = [*_compare_robot(old, new)]
+            why = after.problems.get(new.launch_file, "")
+            if why and old.launch_file not in before.problems:
+                rows = [Compared(old.entity, "launch file", "starts", why, is_same=False), *rows]
+        shown = tuple((row.aspect, row.is_same) for row in rows)
+        alike.setdefault((old.entity, shown), []).append((old, rows))
+    names = Counter(entity for entity, _ in alike)
+    for (entity, _), group in alike.items():
+        first, rows = group[0]
+        others = f" and {len(group) - 1} more" if group[1:] else ""
+        is_alone = names[entity] == 1
+        name = entity if is_alone else f"{entity} ({first.launch_file}{others})"
+        yield from (row._replace(robot=name) for row in rows)
+
+
+def _compare_robot(old: Measured, new: Measured) -> Iterator[Compared]:
+    name = old.entity
+    yield from _compare_parts(name, old, new)
+    yield _compare_rest(name, old, new)
+    yield from _compare_topics(name, old.topics, new.topics)
+    yield from _compare_ways(name, old, new)
+
+
+def _pairs(
+    before: Sequence[Measured], after: Sequence[Measured]
+) -> Iterator[tuple[Measured, Measured | None]]:
+    """Each robot before with that after: of the same launch file and name, else of one of both.
+
+    Launch files, robots and packages get other names in ports by hand.
+    """
+    keys: tuple[Callable[[Measured], object], ...] = (
+        lambda one: (one.package, one.launch_file, one.entity),
+        lambda one: (one.launch_file, one.entity),
+        lambda one: (one.package, one.entity),
+        lambda one: one.launch_file,
+        lambda one: one.entity,
+        lambda one: one.links,
+    )
+    found: dict[int, Measured] = {}
+    left = [*after]
+    for key in keys:
+        groups = defaultdict(list)
+        for one in left:
+            groups[key(one)].append(one)
+        for number, old in enumerate(before):
+            if number not in found and (group := groups[key(old)]):
+                found[number] = group.pop(0)
+        left = [one for group in groups.values() for one in group]
+    for number, old in enumerate(before):
+        # Several launch files that start the same are looked at once.
+        same = (one for one in after if one.entity == old.entity)
+        yield old, found.get(number) or next(same, None)
+
+
+def _compare_parts(name: str, old: Measured, new: Measured) -> Iterator[Compared]:
+    for aspect, here, there in (
+        ("links", old.links, new.links),
+        ("joints", old.joints, new.joints),
+    ):
+        yield Compared(name, aspect, str(len(here)), str(len(there)), here == there)
+        for part in sorted(here ^ there):
+            is_new = part in there
+            yield Compared(
+                *(name, part, "missing" if is_new else "there", "new" if is_new else "missing"),
+                is_same=False,
+                is_detail=True,
+            )
+    is_same = math.isclose(old.mass, new.mass, rel_tol=OF_MASS, abs_tol=1e-6)
+    yield Compared(name, "mass", f"{old.mass:.6g} kg", f"{new.mass:.6g} kg", is_same)
+
+
+def _compare_rest(name: str, old: Measured, new: Measured) -> Compared:
+    def shown(one: Measured) -> str:
+        if one.rest is None:
+            return f"not simulated: {one.problem}" if one.problem else "not simulated"
+        return " ".join(f"{value:.3f}" for value in one.rest.xyz) + " m"
+
+    if old.rest is None or new.rest is None:
+        # What could not be simulated before proves nothing; what cannot be now was broken.
+        is_same = None if old.rest is None else False
+        return Compared(name, "rest pose", shown(old), shown(new), is_same)
+    away = math.dist(old.rest.xyz, new.rest.xyz)
+    turn = multiply(transpose(rotation_of_rpy(old.rest.rpy)), rotation_of_rpy(new.rest.rpy))
+    trace = sum(turn[axis][axis] for axis in range(3))
+    angle = math.degrees(math.acos(max(-1.0, min(1.0, (trace - 1) / 2))))
+    after = f"{away * 1000:.1f} mm and {angle:.1f}° away"
+    return Compared(name, "rest pose", shown(old), after, away < NEAR and angle < TILTED)
+
+
+def _compare_topics(
+    name: str, old: Iterable[RosTopic], new: Iterable[RosTopic]
+) -> Iterator[Compared]:
+    here, there = _by_name(old), _by_name(new)
+    details = []
+    for way, topics in here.items():
+        topic, is_published = way
+        said = "" if is_published else " (read)"
+        others = there.get(way, ())
+        types = {_SUCCESSORS.get(one.type, one.type) for one in topics}
+        frames = {one.frame for one in topics if one.frame}
+        now = {one.frame for one in others if one.frame}
+        shown = ", ".join(sorted({one.type for one in topics}))
+        if not types & {one.type for one in others}:
+            instead = ", ".join(sorted({one.type for one in others})) or "missing"
+            details.append((f"{topic}{said}", shown, instead))
+        elif frames and now and frames.isdisjoint(now):
+            details.append((f"{topic}{said}", f"frame {_listed(frames)}", f"frame {_listed(now)}"))
+    yield Compared(name, "topics", str(len(here)), str(len(there)), is_same=not details)
+    for aspect, before, after in details:
+        yield Compared(name, aspect, before, after, is_same=False, is_detail=True)
+
+
+def _by_name(topics: Iterable[RosTopic]) -> dict[tuple[str, bool], list[RosTopic]]:
+    found: dict[tuple[str, bool], list[RosTopic]] = {}
+    for one in sorted(topics):
+        found.setdefault((one.name, one.is_published), []).append(one)
+    return found
+
+
+def _listed(names: Iterable[str]) -> str:
+    return ", ".join(sorted(names))
+
+
+def _compare_ways(name: str, old: Measured, new: Measured) -> Iterator[Compared]:
+    for task, way in old.ways.items():
+        other = new.ways.get(task)
+        if other is None:
+            yield Compared(name, task, _shown_way(way), "not driven", is_same=False)
+            continue
+        length, turn = math.hypot(*way[:2]), abs(way[2])
+        is_same = math.dist(way[:2], other[:2]) <= max(LEAST_WAY, SHARE * length) and (
+            abs(way[2] - other[2]) <= max(LEAST_WAY, SHARE * turn)
+        )
+        yield Compared(name, task, _shown_way(way), _shown_way(other), is_same)
+
+
+def _shown_way(way: tuple[float, float, float]) -> str:
+    x, y, yaw = way
+    return f"{x:.3f} {y:.3f} m, {yaw:.3f} rad"

@@ -1,0 +1,447 @@
+"""The proof of a port: a pair that does the same, and what is named where it does not."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from wsgen.checks.fixes.plan import FileFix
+from wsgen.errors import RequestError
+from wsgen.model.target import SIM, Target
+from wsgen.model.transform import Pose
+from wsgen.pipeline.check_targets import find_targets
+from wsgen.porting.plan import PortPlan
+from wsgen.porting.proof import Compared, Measured, Side, compare, prove_port
+from wsgen.porting.robot_topics import RosTopic
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from wsgen.porting.proof import Proof
+
+JAZZY = Target(distro="jazzy", simulator=SIM)
+ENVIRONMENT = {"PATH": os.environ["PATH"], "HOME": os.environ.get("HOME", "/")}
+MANIFEST = """\
+<package format="3">
+  <name>cart</name>
+  <version>0.0.1</version>
+  <description>A cart.</description>
+  <maintainer email="ada@example.org">Ada</maintainer>
+  <license>Apache-2.0</license>
+  <buildtool_depend>ament_cmake</buildtool_depend>
+  <exec_depend>{simulator}</exec_depend>
+  <export><build_type>ament_cmake</build_type></export>
+</package>
+"""
+CMAKE = """\
+cmake_minimum_required(VERSION 3.16)
+project(cart NONE)
+find_package(ament_cmake REQUIRED)
+install(DIRECTORY launch urdf DESTINATION share/cart)
+ament_package()
+"""
+LAUNCH = """\
+import os
+from ament_index_python.packages import get_package_share_directory
+from launch import LaunchDescription
+from launch.actions import IncludeLaunchDescription
+from launch.launch_description_sources import PythonLaunchDescriptionSource
+from launch_ros.actions import Node
+
+
+def generate_launch_description():
+    robot = os.path.join(get_package_share_directory('cart'), 'urdf', 'cart.urdf')
+    simulator = get_package_share_directory('{package}')
+    return LaunchDescription([
+        IncludeLaunchDescription(
+            PythonLaunchDescriptionSource(simulator + '/launch/{file}'){arguments}),
+        Node(package='{package}', executable='{spawner}',
+             arguments=['{name}', 'cart', '-file', robot, '-z', '0.05']),{bridge}
+    ])
+"""
+BRIDGE = """
+        Node(package='ros_gz_bridge', executable='parameter_bridge',
+             arguments=['/clock@rosgraph_msgs/msg/Clock[gz.msgs.Clock',
+                        '/cmd_vel@geometry_msgs/msg/Twist]gz.msgs.Twist',
+                        '/odom@nav_msgs/msg/Odometry[gz.msgs.Odometry',
+                        '/tf@tf2_msgs/msg/TFMessage[gz.msgs.Pose_V',
+                        '/bot/scan@sensor_msgs/msg/LaserScan[gz.msgs.LaserScan']),"""
+LAUNCHES = {
+    "gazebo_ros": LAUNCH.format(
+        package="gazebo_ros",
+        file="gazebo.launch.py",
+        arguments="",
+        spawner="spawn_entity.py",
+        name="-entity",
+        bridge="",
+    ),
+    "ros_gz_sim": LAUNCH.format(
+        package="ros_gz_sim",
+        file="gz_sim.launch.py",
+        arguments=",\n            launch_arguments={'gz_args': '-r empty.sdf'}.items()",
+        spawner="create",
+        name="-name",
+        bridge=BRIDGE,
+    ),
+}
+BOX = """<link name="{name}">
+    <inertial><mass value="{mass}"/>
+      <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>
+    <collision>{turned}<geometry>{shape}</geometry></collision>
+  </link>"""
+WHEEL = BOX.format(
+    name="{name}",
+    mass="0.5",
+    turned='<origin rpy="1.5708 0 0"/>',
+    shape='<cylinder radius="0.05" length="0.02"/>',
+)
+URDF = f"""\
+<robot name="cart">
+  {BOX.format(name="base", mass="2", turned="", shape='<box size="0.3 0.2 0.06"/>')}
+  {WHEEL.format(name="left")}
+  {WHEEL.format(name="right")}
+  {BOX.format(name="ball", mass="0.1", turned="", shape='<sphere radius="0.05"/>')}
+  <joint name="left_axle" type="continuous">
+    <parent link="base"/><child link="left"/><origin xyz="0.05 0.12 0"/><axis xyz="0 1 0"/>
+  </joint>
+  <joint name="right_axle" type="continuous">
+    <parent link="base"/><child link="right"/><origin xyz="0.05 -0.12 0"/><axis xyz="0 1 0"/>
+  </joint>
+  <joint name="ball_joint" type="fixed">
+    <parent link="base"/><child link="ball"/><origin xyz="-0.1 0 0"/>
+  </joint>
+  <gazebo reference="ball"><mu1>0.01</mu1><mu2>0.01</mu2></gazebo>
+  {{plugins}}
+</robot>
+"""
+PLUGINS = {
+    "gazebo_ros": """<gazebo>
+    <plugin name="drive" filename="libgazebo_ros_diff_drive.so">
+      <left_joint>left_axle</left_joint><right_joint>right_axle</right_joint>
+      <wheel_separation>0.24</wheel_separation><wheel_diameter>0.1</wheel_diameter>
+      <publish_odom>true</publish_odom><publish_odom_tf>true</publish_odom_tf>
+      <odometry_frame>odom</odometry_frame><robot_base_frame>base</robot_base_frame>
+    </plugin>
+  </gazebo>
+  <gazebo reference="base">
+    <sensor name="lidar" type="ray"><ray><range><max>9</max></range></ray>
+      <plugin name="rays" filename="libgazebo_ros_ray_sensor.so">
+        <ros><namespace>/bot</namespace><remapping>~/out:=scan</remapping></ros>
+        <output_type>sensor_msgs/LaserScan</output_type>
+      </plugin>
+    </sensor>
+  </gazebo>""",
+    "ros_gz_sim": """<gazebo>
+    <plugin name="gz::sim::systems::DiffDrive" filename="gz-sim-diff-drive-system">
+      <left_joint>left_axle</left_joint><right_joint>right_axle</right_joint>
+      <wheel_separation>0.24</wheel_separation><wheel_radius>0.05</wheel_radius>
+      <topic>cmd_vel</topic><odom_topic>odom</odom_topic><tf_topic>/tf</tf_topic>
+      <frame_id>odom</frame_id><child_frame_id>base</child_frame_id>
+    </plugin>
+  </gazebo>
+  <gazebo reference="base">
+    <sensor name="lidar" type="gpu_lidar"><lidar><range><max>9</max></range></lidar>
+      <topic>bot/scan</topic><gz_frame_id>base</gz_frame_id>
+    </sensor>
+  </gazebo>""",
+}
+
+
+def texts(simulator: str) -> dict[str, str]:
+    """The files of the cart for Gazebo Classic or Gazebo Sim."""
+    return {
+        "package.xml": MANIFEST.format(simulator=simulator),
+        "CMakeLists.txt": CMAKE,
+        "launch/sim.launch.py": LAUNCHES[simulator],
+        "urdf/cart.urdf": URDF.format(plugins=PLUGINS[simulator]),
+    }
+
+
+CLASSIC, PORTED = texts("gazebo_ros"), texts("ros_gz_sim")
+
+
+def written(folder: Path, files: Mapping[str, str]) -> Path:
+    for name, text in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text)
+    return folder
+
+
+def planned(folder: Path, files: Mapping[str, str]) -> PortPlan:
+    """The plan that makes these files of those in a folder."""
+    return PortPlan(
+        unported=(),
+        packages=("cart",),
+        files=tuple(
+            FileFix(file=folder / name, before="", after=text, data=text.encode(), fixed=())
+            for name, text in files.items()
+            if (folder / name).is_file()
+        ),
+        created=tuple(
+            (folder / name, text) for name, text in files.items() if not (folder / name).is_file()
+        ),
+    )
+
+
+def proved(folder: Path, after: Mapping[str, str]) -> Proof:
+    """What is compared of the cart for Gazebo Classic and these files."""
+    package = written(folder / "src" / "cart", CLASSIC)
+    plan = planned(package, after)
+    return prove_port(find_targets([package]), JAZZY, ENVIRONMENT, lambda: plan)
+
+
+def different(found: Proof) -> list[tuple[str, str, str]]:
+    return [(row.aspect, row.before, row.after) for row in found.rows if row.is_same is False]
+
+
+def git(folder: Path, *words: str) -> str:
+    options = ("-c", "user.name=Ada", "-c", "user.email=ada@example.org")
+    run = subprocess.run(
+        ["git", *options, *words], cwd=folder, check=True, capture_output=True, text=True
+    )
+    return run.stdout
+
+
+@pytest.mark.slow
+def test_a_port_that_does_the_same(tmp_path: Path) -> None:
+    found = proved(tmp_path, PORTED)
+    assert [(row.robot, row.aspect, row.is_same) for row in found.rows] == [
+        ("cart", aspect, True)
+        for aspect in ("links", "joints", "mass", "rest pose", "topics", "drive ahead", "turn")
+    ]
+    assert found.passed
+    topics = next(row for row in found.rows if row.aspect == "topics")
+    assert topics.before == topics.after == "5"
+    ahead = next(row for row in found.rows if row.aspect == "drive ahead")
+    assert float(ahead.before.split()[0]) == pytest.approx(0.9, abs=0.05)
+    assert (tmp_path / "src/cart/package.xml").read_text() == CLASSIC["package.xml"]
+
+
+CHANGES = {
+    "half the radius": (
+        "urdf/cart.urdf",
+        "<wheel_radius>0.05</wheel_radius>",
+        "<wheel_radius>0.025</wheel_radius>",
+        ["drive ahead", "turn"],
+    ),
+    "other mass": ("urdf/cart.urdf", '<mass value="2"/>', '<mass value="2.5"/>', ["mass"]),
+    "without its row": (
+        "launch/sim.launch.py",
+        "'/odom@nav_msgs/msg/Odometry[gz.msgs.Odometry',",
+        "",
+        ["topics", "/odom"],
+    ),
+    "a row in the other direction": (
+        "launch/sim.launch.py",
+        "Twist]gz.msgs.Twist",
+        "Twist[gz.msgs.Twist",
+        ["topics", "/cmd_vel (read)"],
+    ),
+    "another type": (
+        "launch/sim.launch.py",
+        "geometry_msgs/msg/Twist]",
+        "geometry_msgs/msg/TwistStamped]",
+        ["topics", "/cmd_vel (read)"],
+    ),
+    "another frame": (
+        "urdf/cart.urdf",
+        "<gz_frame_id>base</gz_frame_id>",
+        "",
+        ["topics", "/bot/scan"],
+    ),
+    "another frame of odometry": (
+        "urdf/cart.urdf",
+        "<child_frame_id>base</child_frame_id>",
+        "",
+        ["topics", "/odom", "/tf"],
+    ),
+    "a launch file that fails": (
+        "launch/sim.launch.py",
+        "get_package_share_directory('ros_gz_sim')",
+        "get_package_share_directory('ros_gz_simulator')",
+        ["launch file", "topics", "/clock"],
+    ),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("file", "old", "new", "aspects"), CHANGES.values(), ids=CHANGES)
+def test_what_differs_is_named(
+    tmp_path: Path, file: str, old: str, new: str, aspects: list[str]
+) -> None:
+    assert old in PORTED[file]
+    found = proved(tmp_path, {**PORTED, file: PORTED[file].replace(old, new)})
+    assert [aspect for aspect, _, _ in different(found)] == aspects
+    assert not found.passed
+
+
+@pytest.mark.slow
+def test_before_is_the_newest_commit_for_classic(tmp_path: Path) -> None:
+    package = written(tmp_path / "src" / "cart", CLASSIC)
+    git(tmp_path, "init")
+    for message, files in (
+        (
+            "For Gazebo Classic",
+            {"urdf/cart.urdf": CLASSIC["urdf/cart.urdf"].replace('="2"', '="9"')},
+        ),
+        ("Lose weight", CLASSIC),
+        ("Port the robot", {"urdf/cart.urdf": PORTED["urdf/cart.urdf"]}),
+        ("Port the rest", PORTED),
+        ("Describe it", {"README.txt": "It was for gazebo_ros once.\n"}),
+    ):
+        written(package, files)
+        git(tmp_path, "add", "--all")
+        git(tmp_path, "commit", "-m", message)
+    found = prove_port(find_targets([package]), JAZZY, ENVIRONMENT, not_planned)
+    lighter = git(tmp_path, "rev-parse", "HEAD~3")
+    assert found.before == f"commit {lighter[:10]}"  # not that with half of the port
+    assert found.passed
+
+
+def not_planned() -> PortPlan:
+    raise AssertionError("what is ported is not planned again")
+
+
+def test_what_has_no_history_asks_for_it(tmp_path: Path) -> None:
+    package = written(tmp_path / "cart", PORTED)
+    with pytest.raises(RequestError, match=r"for Gazebo Sim already, and .* in no git") as caught:
+        prove_port(find_targets([package]), JAZZY, ENVIRONMENT, not_planned)
+    assert "--before FOLDER" in (caught.value.hint or "")
+    git(tmp_path, "init")
+    git(tmp_path, "add", "--all")
+    git(tmp_path, "commit", "-m", "For Gazebo Sim from the start")
+    with pytest.raises(RequestError, match=r"no commit of .* spawns a robot in Gazebo Classic"):
+        prove_port(find_targets([package]), JAZZY, ENVIRONMENT, not_planned)
+
+
+@pytest.mark.slow
+def test_before_is_given(tmp_path: Path) -> None:
+    before = written(tmp_path / "humble" / "cart", CLASSIC)
+    after = written(tmp_path / "jazzy" / "cart", PORTED)
+    found = prove_port(
+        find_targets([after]), JAZZY, ENVIRONMENT, not_planned, before=find_targets([before])
+    )
+    assert found.passed
+    assert found.before == "as given"
+
+
+def test_without_a_robot_there_is_nothing_to_compare(tmp_path: Path) -> None:
+    launch = "raise KeyError('ROBOT')\n"
+    package = written(tmp_path / "cart", {**PORTED, "launch/sim.launch.py": launch})
+    with pytest.raises(RequestError, match=r"No launch file .* spawns a robot") as caught:
+        prove_port(find_targets([package]), JAZZY, ENVIRONMENT, not_planned)
+    assert "sim.launch.py: " in str(caught.value)
+
+
+# What is compared of two robots, without simulating any.
+SCAN = RosTopic("/scan", "sensor_msgs/LaserScan", is_published=True, frame="lidar")
+BUMPER = RosTopic("/bumper", "gazebo_msgs/ContactsState", is_published=True, frame="world")
+CART = Measured(
+    package="cart",
+    launch_file="sim.launch.py",
+    entity="cart",
+    simulator="classic",
+    links=frozenset(("base", "wheel")),
+    joints=frozenset(("axle",)),
+    mass=3.0,
+    topics=frozenset((SCAN,)),
+    rest=Pose((1.0, 2.0, 0.1)),
+    ways={"drive ahead": (0.9, 0.0, 0.0), "turn": (0.0, 0.0, 1.5)},
+)
+
+
+def differing(old: Measured, new: Measured) -> list[tuple[Any, ...]]:
+    """What differs, or cannot be compared."""
+    found = compare(Side((old,), {}), Side((new,), {}))
+    return [(row.aspect, row.before, row.after, row.is_same) for row in found if not row.is_same]
+
+
+def driven(x: float, yaw: float) -> dict[str, Any]:
+    return {"ways": {"drive ahead": (x, 0.0, 0.0), "turn": (0.0, 0.0, yaw)}}
+
+
+CHANGED: dict[str, tuple[dict[str, Any], list[tuple[Any, ...]]]] = {
+    "nothing": ({}, []),
+    "3 mm": ({"rest": Pose((1.0, 2.003, 0.1))}, []),
+    "6 mm": (
+        {"rest": Pose((1.0, 2.006, 0.1))},
+        [("rest pose", "1.000 2.000 0.100 m", "6.0 mm and 0.0° away", False)],
+    ),
+    "tilted": (
+        {"rest": Pose((1.0, 2.0, 0.1), (0.0, 0.1, 0.0))},
+        [("rest pose", "1.000 2.000 0.100 m", "0.0 mm and 5.7° away", False)],
+    ),
+    "not simulated": (
+        {"rest": None, "problem": "A mesh is missing."},
+        [("rest pose", "1.000 2.000 0.100 m", "not simulated: A mesh is missing.", False)],
+    ),
+    "another link": (
+        {"links": frozenset(("base", "rim"))},
+        [
+            ("links", "2", "2", False),
+            ("rim", "missing", "new", False),
+            ("wheel", "there", "missing", False),
+        ],
+    ),
+    "nearly the way": (driven(0.87, 1.44), []),
+    "less than the way": (
+        driven(0.85, 1.42),
+        [
+            ("drive ahead", "0.900 0.000 m, 0.000 rad", "0.850 0.000 m, 0.000 rad", False),
+            ("turn", "0.000 0.000 m, 1.500 rad", "0.000 0.000 m, 1.420 rad", False),
+        ],
+    ),
+    "not driven": (
+        {"ways": {"turn": (0.0, 0.0, 1.5)}},
+        [("drive ahead", "0.900 0.000 m, 0.000 rad", "not driven", False)],
+    ),
+    "a frame that is not known": ({"topics": frozenset((SCAN._replace(frame=""),))}, []),
+    "one topic more": ({"topics": frozenset((SCAN, SCAN._replace(name="/scan/points")))}, []),
+}
+
+
+@pytest.mark.parametrize(("change", "expected"), CHANGED.values(), ids=CHANGED)
+def test_bounds_of_what_is_the_same(
+    change: dict[str, Any], expected: list[tuple[Any, ...]]
+) -> None:
+    assert differing(CART, replace(CART, **change)) == expected
+
+
+def test_what_was_not_simulated_proves_nothing() -> None:
+    broken = replace(CART, rest=None, ways={}, problem="A mesh is missing.")
+    assert differing(broken, CART) == [
+        ("rest pose", "not simulated: A mesh is missing.", "1.000 2.000 0.100 m", None)
+    ]
+
+
+def test_contacts_have_another_type_in_gazebo_sim() -> None:
+    new = BUMPER._replace(type="ros_gz_interfaces/Contacts", frame="")
+    old, ported = (replace(CART, topics=frozenset((one,))) for one in (BUMPER, new))
+    assert differing(old, ported) == []
+
+
+def test_robots_of_several_launch_files_are_shown_once() -> None:
+    worlds = [replace(CART, launch_file=f"{name}.launch.py") for name in ("a", "b", "c")]
+    ported = [*worlds[:2], replace(worlds[2], **driven(0.5, 1.5))]
+    found = compare(Side(tuple(worlds), {}), Side(tuple(ported), {}))
+    assert {row.robot: row.is_same for row in found if row.aspect == "drive ahead"} == {
+        "cart (a.launch.py and 1 more)": True,
+        "cart (c.launch.py)": False,
+    }
+
+
+def test_robots_of_other_names_are_found() -> None:
+    old = (CART, replace(CART, launch_file="arm.launch.py", entity="arm"))
+    new = (
+        replace(CART, launch_file="arm_gz.launch.py", entity="arm"),
+        replace(CART, launch_file="sim.launch.py", entity="buggy"),
+    )
+    found = compare(Side(old, {}), Side(new, {}))
+    assert all(row.is_same for row in found)
+    lost = [*compare(Side(old, {}), Side(new[:1], {"sim.launch.py": "It has an error."}))]
+    assert lost[0] == Compared("cart", "robot", "sim.launch.py", "It has an error.", False)
