@@ -14,8 +14,9 @@ from wsgen.errors import RequestError
 from wsgen.model.target import SIM, Target
 from wsgen.model.transform import Pose
 from wsgen.pipeline.check_targets import find_targets
+from wsgen.porting.measured import Measured, Side
 from wsgen.porting.plan import PortPlan
-from wsgen.porting.proof import Compared, Measured, Side, compare, prove_port
+from wsgen.porting.proof import Compared, compare, prove_port
 from wsgen.porting.robot_topics import RosTopic
 
 if TYPE_CHECKING:
@@ -345,7 +346,6 @@ CART = Measured(
     package="cart",
     launch_file="sim.launch.py",
     entity="cart",
-    simulator="classic",
     links=frozenset(("base", "wheel")),
     joints=frozenset(("axle",)),
     mass=3.0,

@@ -1,7 +1,7 @@
 """The proof of a port: the robots before and after, simulated in the same engine and compared.
 
-Nothing is built: install spaces are laid out with links to the sources. "Before" is the package as
-it is, and "after" the port in memory; of a package that is ported already, "before" is a commit.
+"Before" is the package as it is, and "after" the port in memory; of a package that is ported
+already, "before" is a commit.
 """
 
 from __future__ import annotations
@@ -12,53 +12,34 @@ import shutil
 import subprocess
 import tarfile
 from collections import Counter, defaultdict
-from dataclasses import replace
 from io import BytesIO
 from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.diagnostics import has_errors
 from wsgen.errors import RequestError
-from wsgen.isolation.parent import make_part, make_scratch
-from wsgen.model.behavior import Behavior, Drive
-from wsgen.model.target import CLASSIC, SIM
+from wsgen.isolation.parent import make_scratch
 from wsgen.model.transform import multiply, rotation_of_rpy, transpose
 from wsgen.packages.workspace.layout import Workspace, find_packages, read_package
-from wsgen.packages.workspace.settings import Settings
-from wsgen.pipeline.behavior_plan import plan_behaviors
-from wsgen.pipeline.candidates import simulation_of
-from wsgen.pipeline.check_package import PackageCheck
-from wsgen.pipeline.installed_as_built import lay_out
-from wsgen.pipeline.package_validation import Validation
-from wsgen.pipeline.parallel import start_children
 from wsgen.pipeline.reported import run_git
-from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
-from wsgen.pipeline.run_robots import simulate_robots
-from wsgen.porting.robot_topics import RosTopic, topics_of_robot
-from wsgen.text.files import remembering
+from wsgen.porting.measured import find_spawners, measure
 from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-    from wsgen.isolation.parent import Run
-    from wsgen.model.outcome import RobotOutcome
     from wsgen.model.target import Target
-    from wsgen.model.transform import Pose
     from wsgen.packages.workspace.layout import PackageFolder
-    from wsgen.pipeline.candidates import Candidate
     from wsgen.pipeline.check_targets import Targets
+    from wsgen.porting.measured import Measured, Side
     from wsgen.porting.plan import PortPlan
+    from wsgen.porting.robot_topics import RosTopic
 
 
 # What stays the same: m and degrees of the rest pose, the share of a way, and of a mass.
 NEAR, TILTED = 0.005, 1.0
 SHARE, LEAST_WAY = 0.05, 0.01  # the second in m or rad
 OF_MASS = 1e-3
-# What drives show: in m/s and rad/s, each for so many seconds.
-_DRIVES = {"drive ahead": Drive(linear=0.3), "turn": Drive(angular=0.5)}
-_SECONDS = 3.0
 # A type of messages in Gazebo Classic -> that which takes its place in Gazebo Sim.
 _SUCCESSORS = {"gazebo_msgs/ContactsState": "ros_gz_interfaces/Contacts"}
 # How many commits are looked at for the package as it was, and how many of them with Classic.
@@ -66,30 +47,6 @@ _MOST_COMMITS, _MOST_OF_CLASSIC = 20, 6
 _SOURCES = ("*.xml", "*.py", "*.txt", "*.xacro", "*.urdf", "*.sdf", "*.world", "*.gazebo")
 _OF_CLASSIC = "gazebo_ros"
 _MINUTES = 120  # s, that git may take for the files of a commit
-
-
-@dataclass(frozen=True, kw_only=True)
-class Measured:
-    """A robot that a launch file spawns, as it is simulated."""
-
-    package: str
-    launch_file: str  # its file name
-    entity: str
-    simulator: str | None  # "classic" or "gz"
-    links: frozenset[str] = frozenset()
-    joints: frozenset[str] = frozenset()
-    mass: float = 0.0  # kg
-    topics: frozenset[RosTopic] = frozenset()
-    rest: Pose | None = None  # in the world, of the root link; None: it was not simulated
-    ways: Mapping[str, tuple[float, float, float]]  # m, m, rad; by what it did
-    problem: str = ""  # why it was not simulated
-
-
-class Side(NamedTuple):
-    """The robots before or after a port."""
-
-    robots: tuple[Measured, ...]
-    problems: Mapping[str, str]  # by names of launch files: what is wrong with them
 
 
 class Compared(NamedTuple):
@@ -137,34 +94,27 @@ def prove_port(
         RequestError: No launch file spawns a robot, or it is not known how the packages were.
     """
     if before is not None:
-        return _compared(
-            "as given", _measure(before, environment, None), targets, target, environment
-        )
-    now = _measure(targets, environment, None, is_simulated=False)
-    if any(robot.simulator == CLASSIC for robot in now.robots):
-        with make_scratch() as scratch:
-            after = _ported(targets, plan(), scratch)
-            return _compared(
-                "as it is", _measure(targets, environment, None), after, target, environment
-            )
-    if not now.robots:
+        return _proof("as given", before, targets, target, environment)
+    now = find_spawners(targets, environment)
+    if not now.are_any:
         raise RequestError(
             "No launch file of the packages spawns a robot that could be compared."
             + "".join(f" {name}: {problem}" for name, problem in now.problems.items()),
             hint="Give the package with the launch file, or the workspace.",
         )
     with make_scratch() as scratch:
+        if now.of_classic:
+            after = _ported(targets, plan(), scratch)
+            return _proof("as it is", targets, after, target, environment)
         commit, before = _before(targets, environment, scratch)
-        measured = _measure(before, environment, None)
-        return _compared(f"commit {commit}", measured, targets, target, environment)
+        return _proof(f"commit {commit}", before, targets, target, environment)
 
 
-def _compared(
-    name: str, before: Side, after: Targets, target: Target, environment: Mapping[str, str]
+def _proof(
+    name: str, before: Targets, after: Targets, target: Target, environment: Mapping[str, str]
 ) -> Proof:
-    return Proof(
-        before=name, rows=tuple(compare(before, _measure(after, environment, target.distro)))
-    )
+    sides = measure(before, environment), measure(after, environment, target.distro)
+    return Proof(before=name, rows=tuple(compare(*sides)))
 
 
 # The two sides
@@ -210,8 +160,8 @@ def _package_at(folder: Path, like: PackageFolder) -> PackageFolder:
 def _before(targets: Targets, environment: Mapping[str, str], scratch: Path) -> tuple[str, Targets]:
     """The commit before the port, and the packages in it.
 
-    It is the newest in which they spawn robots in Gazebo Classic that have the most topics there: a
-    port of several commits leaves some out on the way.
+    It is the newest in which they spawn robots in Gazebo Classic with the most plugins for it: a
+    port of several commits has half of them on the way.
 
     Raises:
         RequestError: There is none.
@@ -236,10 +186,9 @@ def _before(targets: Targets, environment: Mapping[str, str], scratch: Path) -> 
             continue
         around = (Workspace(root=place), *targets.workspaces)
         before = targets._replace(packages=packages, workspaces=around, only=())
-        side = _measure(before, environment, None, is_simulated=False)
-        robots = [robot for robot in side.robots if robot.simulator == CLASSIC]
-        if robots:
-            found.append((sum(len(robot.topics) for robot in robots), commit[:10], before))
+        plugins = find_spawners(before, environment).of_classic
+        if plugins:
+            found.append((plugins, commit[:10], before))
         if len(found) == _MOST_OF_CLASSIC:
             break
     if found:
@@ -276,106 +225,6 @@ def _checked_out(program: str, root: Path, commit: str, place: Path) -> tuple[Pa
     with tarfile.open(fileobj=BytesIO(run.stdout)) as archive:
         archive.extractall(place, filter="data")
     return find_packages(Workspace(root=place))
-
-
-def _measure(
-    targets: Targets,
-    environment: Mapping[str, str],
-    distro: str | None,
-    *,
-    is_simulated: bool = True,
-) -> Side:
-    """The robots that the launch files of packages spawn; without simulation, only which."""
-    robots: list[Measured] = []
-    problems: dict[str, str] = {}
-    # Each side is for its own distribution, whatever is sourced.
-    variables = {name: value for name, value in environment.items() if name != "ROS_DISTRO"}
-    with (
-        remembering(),
-        make_scratch(in_memory=True) as scratch,
-        make_scratch() as work,
-        start_children() as run,
-    ):
-        installed = lay_out(targets, scratch, variables)
-        for package in targets.packages:
-            if package.diagnostics:
-                continue
-            check = PackageCheck(package, installed, distro, None, run, work)
-            known = set()
-            for candidate in check.evaluate():
-                started = candidate.started
-                wrong = [one for one in started.plan.diagnostics if has_errors((one,))]
-                if wrong:
-                    problems[candidate.file.name] = installed.text(wrong[0].message)
-                if not (started.is_evaluated and started.has_spawner):
-                    continue
-                same = simulation_of(candidate), tuple(map(str, started.plan.processes))
-                if same in known:
-                    continue
-                known.add(same)
-                with make_part(work) as folder:
-                    robots += _robots_of(check, candidate, folder, run, is_simulated=is_simulated)
-    return Side(tuple(robots), problems)
-
-
-def _robots_of(
-    check: PackageCheck, candidate: Candidate, folder: Path, run: Run, *, is_simulated: bool
-) -> Iterator[Measured]:
-    """The robots of a launch file."""
-    started, package = candidate.started, check.package
-    request = ValidateRequest(is_live=True, seconds=_SECONDS)
-    selected = SelectedPackage(
-        name=package.name,
-        source=package.path,
-        share=check.overlay.share(package.name),
-        launch_file=candidate.file,
-        started=started,
-    )
-    validation = Validation(selected, check.overlay, request, None, run)
-    world, scene = validation.read(folder)
-    kind = validation.simulator_kind
-    outcomes: dict[str, RobotOutcome] = {}
-    found = validation.diagnostics
-    if world is not None and is_simulated:
-        behaviors = tuple(
-            Behavior(name=f"{name} {one.entity}", task=task, seconds=_SECONDS, robot=one.entity)
-            for one in scene
-            if one.drive is not None
-            for name, task in _DRIVES.items()
-        )
-        settings = Settings(file=package.path / "package.xml", behaviors=behaviors)
-        plan = plan_behaviors(settings, scene, simulator=kind)
-        # With the physics of one simulator: what they do differently is no matter of the port.
-        world = replace(world, simulator=SIM)
-        simulated = simulate_robots(
-            world, scene, request, package.name, run=run, behavior_plan=plan
-        )
-        outcomes = {one.entity: one for one in simulated.robots}
-        found = simulated.diagnostics_after(found)
-    problems = [one.message for one in found if has_errors((one,))]
-    name = None if validation.world_file is None or world is None else world.name
-    for one in scene:
-        if one.is_static_model or one.may_move:
-            continue
-        outcome = outcomes.get(one.entity)
-        yield Measured(
-            package=package.name,
-            launch_file=candidate.file.name,
-            entity=one.entity,
-            simulator=kind,
-            links=frozenset(link.name for link in one.written.links),
-            joints=frozenset(joint.name for joint in one.written.joints),
-            mass=sum(link.inertial.mass for link in one.written.links if link.inertial),
-            topics=topics_of_robot(one, started, kind, name),
-            rest=None if outcome is None or outcome.rest is None else outcome.rest.pose_in_world,
-            ways={
-                task: behavior.moved
-                for task in _DRIVES
-                for behavior in (outcome.behaviors if outcome is not None else ())
-                if behavior.name == f"{task} {one.entity}" and behavior.moved is not None
-            },
-            problem=check.installed.text(problems[0]) if problems else "",
-        )
 
 
 # The comparison
@@ -463,13 +312,15 @@ def _compare_parts(name: str, old: Measured, new: Measured) -> Iterator[Compared
 
 def _compare_rest(name: str, old: Measured, new: Measured) -> Compared:
     def shown(one: Measured) -> str:
+        if one.is_left_out:
+            return "simulated in other worlds"
         if one.rest is None:
             return f"not simulated: {one.problem}" if one.problem else "not simulated"
         return " ".join(f"{value:.3f}" for value in one.rest.xyz) + " m"
 
     if old.rest is None or new.rest is None:
         # What could not be simulated before proves nothing; what cannot be now was broken.
-        is_same = None if old.rest is None else False
+        is_same = None if old.rest is None or new.is_left_out else False
         return Compared(name, "rest pose", shown(old), shown(new), is_same)
     away = math.dist(old.rest.xyz, new.rest.xyz)
     turn = multiply(transpose(rotation_of_rpy(old.rest.rpy)), rotation_of_rpy(new.rest.rpy))
@@ -517,7 +368,8 @@ def _compare_ways(name: str, old: Measured, new: Measured) -> Iterator[Compared]
     for task, way in old.ways.items():
         other = new.ways.get(task)
         if other is None:
-            yield Compared(name, task, _shown_way(way), "not driven", is_same=False)
+            is_same = None if new.is_left_out else False
+            yield Compared(name, task, _shown_way(way), "not driven", is_same)
             continue
         length, turn = math.hypot(*way[:2]), abs(way[2])
         is_same = math.dist(way[:2], other[:2]) <= max(LEAST_WAY, SHARE * length) and (

@@ -1,0 +1,250 @@
+"""The robots that launch files spawn, as they are simulated: what a proof compares.
+
+Nothing is built: install spaces are laid out with links to the sources.
+"""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+from wsgen.diagnostics import has_errors
+from wsgen.isolation.parent import make_part, make_scratch
+from wsgen.launching.simulators import kind_of_project
+from wsgen.model.behavior import Behavior, Drive
+from wsgen.model.target import CLASSIC, SIM
+from wsgen.packages.workspace.settings import Settings
+from wsgen.pipeline.behavior_plan import plan_behaviors
+from wsgen.pipeline.candidates import simulation_of
+from wsgen.pipeline.check_package import PackageCheck
+from wsgen.pipeline.installed_as_built import lay_out
+from wsgen.pipeline.package_validation import Validation
+from wsgen.pipeline.parallel import start_children
+from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
+from wsgen.pipeline.run_robots import simulate_robots
+from wsgen.porting.robot_topics import RosTopic, topics_of_robot
+from wsgen.text.files import remembering
+from wsgen.text.values import dataclass
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+    from wsgen.isolation.parent import Run
+    from wsgen.model.outcome import RobotOutcome
+    from wsgen.model.transform import Pose
+    from wsgen.model.world import World
+    from wsgen.pipeline.candidates import Candidate
+    from wsgen.pipeline.check_targets import Targets
+    from wsgen.pipeline.prepare import PreparedRobot
+
+
+# What drives show: in m/s and rad/s, each for so many seconds.
+DRIVES = {"drive ahead": Drive(linear=0.3), "turn": Drive(angular=0.5)}
+SECONDS = 3.0
+# Of how many launch files a robot is simulated: many packages have one for each of their worlds.
+MOST_WORLDS = 3
+_REQUEST = ValidateRequest(is_live=True, seconds=SECONDS)
+_PLUGIN = "libgazebo_ros"  # how the file names of Classic's begin
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measured:
+    """A robot that a launch file spawns, as it is simulated."""
+
+    package: str
+    launch_file: str  # its file name
+    entity: str
+    links: frozenset[str]
+    joints: frozenset[str]
+    mass: float  # kg
+    topics: frozenset[RosTopic]
+    rest: Pose | None = None  # in the world, of the root link; None: it was not simulated
+    # Where it got, seen from where it began: m, m, rad, by what it did.
+    ways: Mapping[str, tuple[float, float, float]]
+    problem: str = ""  # why it was not simulated
+    is_left_out: bool = False  # it was simulated for other launch files
+
+
+class Side(NamedTuple):
+    """The robots before or after a port."""
+
+    robots: tuple[Measured, ...]
+    problems: Mapping[str, str]  # by names of launch files: what is wrong with them
+
+
+class Spawners(NamedTuple):
+    """What launch files spawn, without a look at it."""
+
+    of_classic: int  # of those for Gazebo Classic, how many plugins their robots have; 0: no robot
+    are_any: bool  # for any simulator
+    problems: Mapping[str, str]  # as above
+
+
+class _Evaluated(NamedTuple):
+    """The launch files of packages that spawn something, each simulation once."""
+
+    launches: list[tuple[PackageCheck, Candidate]]
+    problems: dict[str, str]
+    run: Run
+    folder: Path  # for files that engines read
+
+
+@contextmanager
+def _evaluated(
+    targets: Targets, environment: Mapping[str, str], distro: str | None
+) -> Iterator[_Evaluated]:
+    # Each side is for its own distribution, whatever is sourced.
+    variables = {name: value for name, value in environment.items() if name != "ROS_DISTRO"}
+    with (
+        remembering(),
+        make_scratch(in_memory=True) as scratch,
+        make_scratch() as folder,
+        start_children() as run,
+    ):
+        found = _Evaluated([], {}, run, folder)
+        installed = lay_out(targets, scratch, variables)
+        for package in targets.packages:
+            check = PackageCheck(package, installed, distro, None, run, folder)
+            known = set()
+            for candidate in () if package.diagnostics else check.evaluate():
+                started = candidate.started
+                wrong = [one for one in started.plan.diagnostics if has_errors((one,))]
+                if wrong:
+                    found.problems[candidate.file.name] = installed.text(wrong[0].message)
+                # Two with the same robots and world may have other bridges.
+                same = simulation_of(candidate), tuple(map(str, started.plan.processes))
+                if started.is_evaluated and started.has_spawner and same not in known:
+                    known.add(same)
+                    found.launches.append((check, candidate))
+        yield found
+
+
+def find_spawners(targets: Targets, environment: Mapping[str, str]) -> Spawners:
+    """What the launch files of packages spawn."""
+    with _evaluated(targets, environment, None) as found:
+        plugins = 0
+        for _, candidate in found.launches:
+            started = candidate.started
+            simulator = started.simulator
+            kind = simulator.kind if simulator else kind_of_project(started.plan)
+            if kind == CLASSIC:
+                plugins += 1 + sum(one.description.count(_PLUGIN) for one in started.spawns)
+        return Spawners(plugins, bool(found.launches), found.problems)
+
+
+def measure(targets: Targets, environment: Mapping[str, str], distro: str | None = None) -> Side:
+    """Simulate the robots that the launch files of packages spawn.
+
+    `distro` is what packages are for, where they do not say it.
+    """
+    robots: list[Measured] = []
+    simulated: dict[tuple[str, str], list[tuple[PreparedRobot, str | None, Measured]]] = {}
+    with _evaluated(targets, environment, distro) as found:
+        for check, candidate in found.launches:
+            spawns = candidate.started.spawns
+            known = [simulated.get((one.entity, one.description), []) for one in spawns]
+            if known and all(len(one) >= MOST_WORLDS for one in known):
+                robots += (_left_out(candidate, *one[0]) for one in known)
+                continue
+            with make_part(found.folder) as folder:
+                launch = _Launch(check, candidate, folder, found.run)
+                for prepared, one in launch.robots():
+                    robots.append(one)
+                    for spawn in spawns:
+                        if spawn.entity == prepared.entity:
+                            key = spawn.entity, spawn.description
+                            simulated.setdefault(key, []).append((prepared, launch.kind, one))
+        return Side(tuple(robots), found.problems)
+
+
+def _left_out(
+    candidate: Candidate, prepared: PreparedRobot, kind: str | None, like: Measured
+) -> Measured:
+    """A robot that is simulated for other launch files already."""
+    return replace(
+        like,
+        launch_file=candidate.file.name,
+        topics=topics_of_robot(prepared, candidate.started, kind, None),
+        rest=None,
+        ways={},
+        problem="",
+        is_left_out=True,
+    )
+
+
+class _Launch:
+    """A launch file, with what it puts into its world."""
+
+    def __init__(self, check: PackageCheck, candidate: Candidate, folder: Path, run: Run) -> None:
+        self.check = check
+        self.candidate = candidate
+        self.run = run
+        selected = SelectedPackage(
+            name=check.package.name,
+            source=check.package.path,
+            share=check.overlay.share(check.package.name),
+            launch_file=candidate.file,
+            started=candidate.started,
+        )
+        self.validation = Validation(selected, check.overlay, _REQUEST, None, run)
+        self.world, self.scene = self.validation.read(folder)
+        self.kind = self.validation.simulator_kind
+        self.errors = [one.message for one in self.validation.diagnostics if has_errors((one,))]
+
+    def robots(self) -> Iterator[tuple[PreparedRobot, Measured]]:
+        """Simulate, and measure."""
+        outcomes = {} if self.world is None else self._simulate(self.world)
+        name = None if self.validation.world_file is None or not self.world else self.world.name
+        for one in self.scene:
+            if one.is_static_model or one.may_move:
+                continue
+            outcome = outcomes.get(one.entity)
+            rest = None if outcome is None or outcome.rest is None else outcome.rest.pose_in_world
+            behaviors = () if outcome is None else outcome.behaviors
+            moved = {behavior.name: behavior.moved for behavior in behaviors}
+            yield (
+                one,
+                Measured(
+                    package=self.check.package.name,
+                    launch_file=self.candidate.file.name,
+                    entity=one.entity,
+                    links=frozenset(link.name for link in one.written.links),
+                    joints=frozenset(joint.name for joint in one.written.joints),
+                    mass=sum(link.inertial.mass for link in one.written.links if link.inertial),
+                    topics=topics_of_robot(one, self.candidate.started, self.kind, name),
+                    rest=rest,
+                    ways={
+                        drive: way
+                        for drive in DRIVES
+                        if (way := moved.get(_behavior_name(drive, one.entity))) is not None
+                    },
+                    problem=self.check.installed.text(self.errors[0]) if self.errors else "",
+                ),
+            )
+
+    def _simulate(self, world: World) -> dict[str, RobotOutcome]:
+        driven = [one.entity for one in self.scene if one.drive is not None]
+        behaviors = tuple(
+            Behavior(name=_behavior_name(drive, entity), task=task, seconds=SECONDS, robot=entity)
+            for entity in driven
+            for drive, task in DRIVES.items()
+        )
+        settings = Settings(file=self.check.package.path / "package.xml", behaviors=behaviors)
+        simulated = simulate_robots(
+            # With the physics of one simulator: what they do differently is not of the port.
+            replace(world, simulator=SIM),
+            self.scene,
+            _REQUEST,
+            self.check.package.name,
+            run=self.run,
+            behavior_plan=plan_behaviors(settings, self.scene, simulator=self.kind),
+        )
+        found = simulated.diagnostics_after(self.validation.diagnostics)
+        self.errors = [one.message for one in found if has_errors((one,))]
+        return {one.entity: one for one in simulated.robots}
+
+
+def _behavior_name(drive: str, entity: str) -> str:
+    return f"{drive} {entity}"
