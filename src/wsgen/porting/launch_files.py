@@ -65,6 +65,8 @@ ADVICE = {
     "stdin": "Name a file with -file, or a topic with -topic.",
     "wait": "Start the spawner when what it waits for is there.",
 }
+# Program that no distribution since Humble has -> what it is called.
+PROGRAMS_RENAMED = {("controller_manager", f"{name}.py"): name for name in ("spawner", "unspawner")}
 _INSTALLED_IN = "/opt/ros/"
 _INSTALLED = re.compile(rf"{_INSTALLED_IN}\w+")
 _NAMED = re.compile(r"(?i)gazebo|gzserver|gzclient")
@@ -342,7 +344,10 @@ class _Port(PythonEdits):
         for call in self.calls("Node", "LifecycleNode"):
             package = argument(call, None, "package")
             executable = argument(call, None, "executable", "node_executable")
-            if package is None or executable is None or self.said(package) != OLD_PACKAGE:
+            if package is None or executable is None:
+                continue
+            if self.said(package) != OLD_PACKAGE:
+                self._rename_program(call, self.said(package), executable)
                 continue
             if self.said(executable) != OLD_SPAWNER:
                 self.leave(
@@ -372,6 +377,14 @@ class _Port(PythonEdits):
                 )
             self.packages.add(PACKAGE)
             yield call
+
+    def _rename_program(self, call: ast.Call, package: str | None, executable: ast.expr) -> None:
+        """Write what later distributions call a program, and the arguments of `Node`."""
+        text = self.text(executable)
+        new = None if text is None else PROGRAMS_RENAMED.get((package or "", text.text))
+        if text is not None and new is not None:
+            self.rename(text, (text.text, new))
+        self._rename_keywords(call)
 
     def _rename_keywords(self, call: ast.Call) -> None:
         """Write what `Node` has taken since Galactic."""
