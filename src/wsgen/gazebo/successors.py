@@ -162,6 +162,10 @@ CONVERSIONS = {
         {"odometry": "odom_topic"},
         written=("frame_name", "update_rate"),
     ),
+    **dict.fromkeys(
+        ("gazebo_ros_wheel_slip", "WheelSlipPlugin"),
+        Conversion("WheelSlip", {"wheel": "wheel"}, {}),
+    ),
     "LiftDragPlugin": Conversion(
         "LiftDrag",
         {
@@ -220,10 +224,6 @@ WITHOUT_COUNTERPART = {
     ),
     "gazebo_ros_projector": ("projects a texture", "Use the <projector> of SDF."),
     "gazebo_ros_video": ("shows images on a visual", "Show the images in RViz."),
-    "gazebo_ros_wheel_slip": (
-        "sets the slip of wheels",
-        "Use gz-sim-wheel-slip-system; its parameters have the same meaning.",
-    ),
     "realsense_gazebo_plugin": (
         "publishes what the cameras of a RealSense see",
         "Write a sensor of the type rgbd_camera, with a <topic>, and bridge its topics.",
@@ -235,13 +235,13 @@ WITHOUT_COUNTERPART = {
     "RayPlugin": ("does nothing but to have a sensor measure", "Leave it out."),
     "ContactPlugin": ("prints what a sensor touches", "Read the topic of the sensor."),
 }
-# Those of ROS 1 -> those that do the same in ROS 2.
+# Those of ROS 1, and of others -> those of gazebo_plugins that do the same in ROS 2.
 AS_IN_ROS_2 = {
     "gazebo_ros_skid_steer_drive": "gazebo_ros_diff_drive",
     **dict.fromkeys(
         (
             *("gazebo_ros_laser", "gazebo_ros_gpu_laser", "gazebo_ros_block_laser"),
-            "gazebo_ros_range",
+            *("gazebo_ros_range", "gazebo_ros_velodyne_laser", "gazebo_ros_velodyne_gpu_laser"),
         ),
         "gazebo_ros_ray_sensor",
     ),
@@ -268,7 +268,13 @@ PARAMETERS_OF_ROS_1 = {
 }
 # What messages a laser of ROS 1 sends; another one sends scans.
 TYPES_OF_ROS_1 = {
-    "gazebo_ros_block_laser": "sensor_msgs/PointCloud2",
+    **dict.fromkeys(
+        (
+            *("gazebo_ros_block_laser", "gazebo_ros_velodyne_laser"),
+            "gazebo_ros_velodyne_gpu_laser",
+        ),
+        "sensor_msgs/PointCloud2",
+    ),
     "gazebo_ros_range": "sensor_msgs/Range",
 }
 

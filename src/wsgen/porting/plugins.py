@@ -37,7 +37,7 @@ STATES = ("gazebo_ros_joint_state_publisher", "joint-state-publisher", "ros2_con
 _OF_CONTROL = "gz_ros2_control-system"
 # Of gazebo_ros2_control and of ROS 1.
 _NOT_OF_CONTROL = ("robot_sim_type", "robotSimType", "control_period", "robotNamespace")
-_REPEATED = ("left_joint", "right_joint", "joint_name")
+_REPEATED = ("left_joint", "right_joint", "joint_name", "wheel")
 # Of these another element says the same once more.
 _AS_THE_FIRST = ("xyz_offset", "rpy_offset", "xyz_offsets", "rpy_offsets")
 _ACCELERATION = "max_wheel_acceleration"
@@ -438,28 +438,24 @@ def _control(port: Porter, plugin: ClassicPlugin) -> None:
 
 def _force_torque(port: Porter, plugin: ClassicPlugin) -> None:
     """A sensor of the joint takes the place of the plugin."""
-    joint = plugin.value("joint_name")
-    owner = next(
-        (one for one in port.nodes if one.name == "joint" and one.get("name") == joint), None
-    )
+    owner = _measured_joint(port, plugin)
+    joint = owner.get("name") if owner is not None else plugin.value("joint_name")
     if not joint or (owner is None and not plugin.node.is_in("robot")):
         port.leave(
             plugin.node,
-            f"`{plugin.filename}` measures what a link carries; Gazebo Sim measures joints.",
-            "Write a sensor of the type force_torque into a joint.",
+            f"`{plugin.filename}` measures a joint that is not in this file.",
+            "Write a sensor of the type force_torque into the joint.",
         )
         _take_out(port, plugin.node)
         return
-    child = next((one for one in owner.children("child")), None) if owner is not None else None
-    frame = (child.get("link") or child.text) if child is not None else ""
     topic = _names(plugin)["wrench"]
     content = [
         Block("always_on", "true"),
         Block("update_rate", plugin.value("update_rate", "0")),
         Block("topic", topic),
     ]
-    if frame:
-        content.append(Block(port.target.frame_tag, frame))
+    if owner is not None and (child := _child_of(owner)):
+        content.append(Block(port.target.frame_tag, child))
     content.append(
         Block(
             "force_torque",
@@ -471,6 +467,33 @@ def _force_torque(port: Porter, plugin: ClassicPlugin) -> None:
     _put_sensor(port, plugin, sensor, joint, owner)
     port.systems.add("ForceTorque")
     port.bridge(topic, "Wrench", topic)
+    if number(plugin.value("gaussian_noise")) not in (None, 0.0):
+        port.leave(
+            plugin.node,
+            "The noise of the plugin is not in the sensor.",
+            "Write <noise> into <force> and <torque> of <force_torque>.",
+        )
+
+
+def _measured_joint(port: Porter, plugin: ClassicPlugin) -> Node | None:
+    """The joint that a plugin measures: it names it, or the link that it carries."""
+    joint, link = plugin.value("joint_name"), plugin.value("body_name")
+    return next(
+        (
+            one
+            for one in port.nodes
+            if one.name == "joint"
+            and one.get("name")
+            and (one.get("name") == joint or (link and not joint and _child_of(one) == link))
+        ),
+        None,
+    )
+
+
+def _child_of(joint: Node) -> str:
+    """The child link of a joint, in URDF or SDF."""
+    child = joint.find("child")
+    return "" if child is None else child.get("link") or child.text
 
 
 def _put_sensor(

@@ -78,7 +78,8 @@ class ClassicPlugin:
         self.stem = AS_IN_ROS_2.get(self.own_stem, self.own_stem)
         self.facts = PLUGINS.get(self.stem, GazeboPlugin())
         self.topics = Topics(node)
-        self.is_of_ros_1 = self.own_stem in AS_IN_ROS_2 or self._lacks_names_of_ros_2()
+        is_named_so = self.own_stem in AS_IN_ROS_2 and node.find("ros") is None
+        self.is_of_ros_1 = is_named_so or self._lacks_names_of_ros_2()
 
     def _lacks_names_of_ros_2(self) -> bool:
         """Whether it has what a plugin cannot do without only under the names of ROS 1."""

@@ -87,7 +87,7 @@ def _part_cameras(port: Porter, sensor: Node, plugins: list[ClassicPlugin]) -> N
             image = plugin.topics.resolve(f"{base}/image_raw")
             info = plugin.topics.resolve(f"{base}/camera_info")
             port.bridge(image, "Image", image)
-            port.bridge(info, "CameraInfo", info)
+            port.bridge(f"{folder(image)}/camera_info", "CameraInfo", info)
             content = [Block("topic", image)]
             if frame := plugin.value("frame_name") or link_of(sensor):
                 content.append(Block(port.target.frame_tag, frame))
@@ -176,7 +176,8 @@ def _lidar(port: Porter, sensor: Node, plugin: ClassicPlugin) -> None:
 
 def _type_of(plugin: ClassicPlugin) -> str:
     """The type of the messages of a lidar."""
-    default = TYPES_OF_ROS_1.get(plugin.own_stem, SCAN) if plugin.is_of_ros_1 else CLOUD
+    usual = SCAN if plugin.own_stem in AS_IN_ROS_2 else CLOUD
+    default = TYPES_OF_ROS_1.get(plugin.own_stem, usual)
     return plugin.value("output_type", default)
 
 
