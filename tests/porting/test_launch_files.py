@@ -173,7 +173,7 @@ def test_an_option_without_counterpart_is_listed() -> None:
         ),
         (
             "handler = RegisterEventHandler(OnProcessStart(on_start=spawn))\n"
-            + "    return LaunchDescription([\n        handler,\n    ])",
+            "    return LaunchDescription([\n        handler,\n    ])",
             '        handler,\n        Node(\n            package="ros_gz_bridge",',
         ),
     ],

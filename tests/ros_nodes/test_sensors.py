@@ -274,7 +274,7 @@ def test_a_gpu_lidar_of_gazebo_sim() -> None:
 
 def test_a_turned_mount_looks_elsewhere() -> None:
     left = Pose((0.0, 0.0, 0.4), (0.0, 0.0, -0.5))
-    ros = run(mounted(LASER.format(SCAN + "<ros><remapping>~/out:=/s</remapping></ros>"), left))
+    ros = run(mounted(LASER.format(SCAN + "<ros><argument>~/out:=/s</argument></ros>"), left))
     assert list(ros.published("/s")[-1].ranges)[2] == pytest.approx(2.0, abs=2e-3)
 
 

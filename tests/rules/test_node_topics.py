@@ -68,8 +68,8 @@ def read(topic: str | None, type_: str = SCAN) -> UsedTopic:
     return UsedTopic(topic, type_, is_published=False, written="t", file=FILE, line=3)
 
 
-def remapping(old: str) -> str:
-    return f"<ros><remapping>{old}:=/cmd_vel</remapping></ros>"
+def remapping(old: str, kind: str = "remapping") -> str:
+    return f"<ros><{kind}>{old}:=/cmd_vel</{kind}></ros>"
 
 
 @pytest.mark.parametrize(
@@ -83,6 +83,7 @@ def remapping(old: str) -> str:
         (controlled(), sent("/drive/cmd_vel"), None),
         (controlled(remapping("/drive/cmd_vel")), sent("/cmd_vel"), None),
         (controlled(remapping("~/cmd_vel")), sent("/cmd_vel"), None),
+        (controlled(remapping("~/cmd_vel", "argument")), sent("/cmd_vel"), None),
         (controlled(), sent("/drive/cmd_vel", TWIST), f"Publish {STAMPED} instead."),
         (controlled("", "use_stamped_vel: false"), sent("/drive/cmd_vel_unstamped", TWIST), None),
         (bridged(DRIVEN), sent("/cmd_vell", TWIST), "Did you mean `/cmd_vel`? If not, remap one"),

@@ -30,6 +30,9 @@ OF_CLASSIC = tuple(
         *("vacuum_gripper", "video", "wheel_slip"),
     )
 )
+# Elements in the <ros> of a plugin of Gazebo Classic that remap. gazebo_ros hands an <argument> on
+# as it is, and rcl takes `old:=new` for a remapping in its older form (gazebo_ros/src/node.cpp).
+REMAPPINGS = ("remapping", "argument")
 TWO_WHEELS = ("left_joint", "right_joint")
 STILL = (0.0, 0.0, 0.0)
 TRUE = ("true", "1")  # as sdformat reads a truth value; all else is false

@@ -28,7 +28,7 @@ from wsgen.porting.worlds import model_names, new_world, port_world
 from wsgen.text.files import list_files, real_path, remembering
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Collection, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.checks.fixes.source import SourceText

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.checks.rules.bridges import FROM_GZ, TO_GZ, Bridge, absolute, find_bridges
 from wsgen.checks.rules.node_topics import resolve
 from wsgen.gazebo.bridged_types import short_gz_type, short_ros_type
-from wsgen.gazebo.plugins import PLUGINS, TRUE, node_name, simulator_of, stem
+from wsgen.gazebo.plugins import PLUGINS, REMAPPINGS, TRUE, node_name, simulator_of, stem
 from wsgen.gazebo.sensors import (
     DEPTH_KINDS,
     FRAME_NAMES,
@@ -152,7 +152,7 @@ def _in_ros(topic: str, plugin: Element) -> str:
         own = f"{node}/{name[2:]}" if name.startswith("~/") else name
         return resolve(own, space)
 
-    for rule in ros.find_all("remapping"):
+    for rule in (one for kind in REMAPPINGS for one in ros.find_all(kind)):
         old, sign, new = rule.text.partition(":=")
         if sign and whole(old) == whole(topic):
             return whole(new)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from wsgen.gazebo.plugins import REMAPPINGS
 from wsgen.porting.xml_edits import COMPUTED
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ class Topics:
         written = [plugin.value("ros/namespace"), *map(plugin.value, _NAMESPACES)]
         self._namespace = _namespace(next(filter(None, written), ""))
         self._node = plugin.get("name") or "gazebo"
-        rules = [] if ros is None else [one.text for one in ros.children("remapping", "argument")]
+        rules = [] if ros is None else [one.text for one in ros.children(*REMAPPINGS)]
         pairs = [rule.partition(":=") for rule in rules if ":=" in rule]
         self._rules = {self.expand(one.strip()): other.strip() for one, _, other in reversed(pairs)}
 

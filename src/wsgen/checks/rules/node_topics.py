@@ -8,7 +8,7 @@ from wsgen.checks.rules.bridges import FROM_GZ, TO_GZ, absolute
 from wsgen.checks.rules.controllers import managed_controllers
 from wsgen.checks.rules.simulators import BRIDGES
 from wsgen.diagnostics import Rule, Severity
-from wsgen.gazebo.plugins import PLUGINS, GazeboPlugin, simulator_of, stem
+from wsgen.gazebo.plugins import PLUGINS, REMAPPINGS, GazeboPlugin, simulator_of, stem
 from wsgen.gazebo.sensors import SENSORS
 from wsgen.launching.commands import started_launch_files, started_programs
 from wsgen.model.target import SIM
@@ -139,7 +139,8 @@ def _remappings(plugin: Element) -> list[tuple[str, str]]:
     return [
         (old, new)
         for ros in children(plugin, "ros")
-        for one in children(ros, "remapping")
+        for kind in REMAPPINGS
+        for one in children(ros, kind)
         for old, sign, new in ((one.text or "").strip().partition(":="),)
         if sign
     ]

@@ -6,7 +6,7 @@ import math
 from dataclasses import field
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
-from wsgen.gazebo.plugins import node_name
+from wsgen.gazebo.plugins import REMAPPINGS, node_name
 from wsgen.live.nodes.simulator.topics import GzTopics, Publisher, RosPublisher, written_qos
 from wsgen.text.values import dataclass
 
@@ -110,8 +110,9 @@ class Host:
         arguments: list[str] = []
         if ros is not None:
             namespace = ros.get("namespace", namespace)
-            for rule in ros.find_all("remapping"):
-                arguments += ["-r", rule.text]
+            for kind in REMAPPINGS:
+                for rule in ros.find_all(kind):
+                    arguments += ["-r", rule.text] if ":=" in rule.text else []
             for parameter in ros.find_all("parameter"):
                 arguments += ["-p", f"{parameter.attributes.get('name', '')}:={parameter.text}"]
         made = self.ros.node(
