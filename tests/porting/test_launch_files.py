@@ -160,6 +160,12 @@ def test_an_option_without_counterpart_is_listed() -> None:
     assert "`-robot_namespace` of spawn_entity.py is gone" in port.unported[0].what
 
 
+HANDLED = """handler = RegisterEventHandler(OnProcessStart(on_start=spawn))
+    return LaunchDescription([
+        handler,
+    ])"""
+
+
 @pytest.mark.parametrize(
     ("body", "expected"),
     [
@@ -172,8 +178,7 @@ def test_an_option_without_counterpart_is_listed() -> None:
             '    ld.add_action(spawn)\n    ld.add_action(Node(\n        package="ros_gz_bridge",',
         ),
         (
-            "handler = RegisterEventHandler(OnProcessStart(on_start=spawn))\n"
-            "    return LaunchDescription([\n        handler,\n    ])",
+            HANDLED,
             '        handler,\n        Node(\n            package="ros_gz_bridge",',
         ),
     ],

@@ -6,7 +6,7 @@ import os
 import re
 import shutil
 import subprocess
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -19,9 +19,12 @@ from wsgen.pipeline.check_targets import find_targets
 from wsgen.porting.plan import PortPlan, plan_port
 from wsgen.porting.write import write_port
 
+if TYPE_CHECKING:
+    from pathlib import Path
+
 JAZZY = Target(distro="jazzy", simulator=SIM)
 OF_CLASSIC = re.compile(
-    r"gazebo_ros(?! gazebo_model_path)|gazebo_plugins|libgazebo|spawn_entity|gzserver|gzclient|GAZEBO_"
+    r"gazebo_ros(?! gazebo_model_path)|gazebo_plugins|libgazebo|spawn_entity|gzserver|GAZEBO_"
 )
 
 
@@ -69,6 +72,32 @@ def test_a_package_for_sim_stays_as_it_is(tmp_path: Path, case: str) -> None:
     settings.unlink()
     planned = plan(package)
     assert (planned.files, planned.created, planned.unported) == ((), (), ())
+
+
+@pytest.mark.slow
+def test_a_check_lists_what_a_port_would_change(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    package = make(tmp_path, "diff_drive-humble-classic")
+    monkeypatch.chdir(tmp_path)
+    before = (package / "package.xml").read_text(encoding="utf-8")
+    assert run(["check", str(package), "--to", "jazzy"]) == 0
+    shown = capsys.readouterr().out
+    assert "src/gazebo_test/package.xml" in shown
+    assert "src/gazebo_test/model/robot.xacro" in shown
+    assert "wsgen port src/gazebo_test --to jazzy --diff" in shown
+    assert (package / "package.xml").read_text(encoding="utf-8") == before
+
+
+@pytest.mark.slow
+def test_a_package_of_ros_1_is_left_to_its_author(tmp_path: Path) -> None:
+    package = make(tmp_path, "simple-humble-classic")
+    manifest = package / "package.xml"
+    text = manifest.read_text(encoding="utf-8").replace("ament_cmake", "catkin")
+    manifest.write_text(text, encoding="utf-8")
+    planned = plan(package)
+    assert planned.files == ()
+    assert ["is of ROS 1" in one.what for one in planned.unported] == [True]
 
 
 @pytest.mark.slow

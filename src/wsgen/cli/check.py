@@ -17,6 +17,7 @@ from wsgen.cli.options import (
 from wsgen.cli.report_files import append_summary, require_places, summary_option, with_files
 from wsgen.cli.terminal import echo
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, RequestError
+from wsgen.model.facts import WITHOUT_CLASSIC
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -47,6 +48,11 @@ FORMATS = ("text", "json", "github", "sarif", "junit")
     "--distro",
     metavar="NAME",
     help="Target ROS 2 distribution, where wsgen.toml names none.  [default: $ROS_DISTRO]",
+)
+@click.option(
+    "--to",
+    type=Choice(WITHOUT_CLASSIC),
+    help="List what `wsgen port` would change for this distribution instead.",
 )
 @click.option(
     "--select",
@@ -100,6 +106,7 @@ def command(
     *,
     workspace: str | None,
     distro: str | None,
+    to: str | None,
     select: tuple[str, ...],
     ignore: tuple[str, ...],
     fix: bool,
@@ -127,13 +134,11 @@ def command(
     from wsgen.pipeline.check import CheckRequest
     from wsgen.pipeline.reported import Filters
 
-    if fix and diff:
-        raise RequestError("--diff shows what --fix would do.", hint="Remove one of them.")
-    if diff and output_format != "text":
-        raise RequestError(
-            f"--diff cannot be combined with --format {output_format}.",
-            hint="Remove one of them.",
-        )
+    if to is not None:
+        from wsgen.cli.port import preview
+
+        return preview(paths, workspace, to)
+    _refuse_useless(fix=fix, diff=diff, output_format=output_format)
     require_places(summary_file)
     filters = Filters(
         select=select,
@@ -178,6 +183,21 @@ def command(
     failing = {Severity.ERROR, *([Severity.WARNING] if strict else [])}
     is_failed = any(found.severity in failing for found in reported.diagnostics)
     return EXIT_FAILED if is_failed else EXIT_PASSED
+
+
+def _refuse_useless(*, fix: bool, diff: bool, output_format: str) -> None:
+    """Refuse options that cannot be combined.
+
+    Raises:
+        RequestError: Two of them are given.
+    """
+    if fix and diff:
+        raise RequestError("--diff shows what --fix would do.", hint="Remove one of them.")
+    if diff and output_format != "text":
+        raise RequestError(
+            f"--diff cannot be combined with --format {output_format}.",
+            hint="Remove one of them.",
+        )
 
 
 def _announce(paths: tuple[str, ...], workspace: str | None) -> None:

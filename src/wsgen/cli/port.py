@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from wsgen.cli.options import Choice, ExampleCommand, output_options, workspace_option
-from wsgen.cli.terminal import draw_table, echo
+from wsgen.cli.terminal import draw_table, echo, echo_next
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, RequestError
 from wsgen.model.facts import WITHOUT_CLASSIC
 from wsgen.model.target import CLASSIC, SIM, SIMULATORS
@@ -93,8 +93,10 @@ def command(
     for file in write_port(plan):
         if not quiet:
             echo(f"Ported {short_name(file)}", err=True)
-    for line in _summary(plan, distro, quiet=quiet):
+    for line in _summary(plan, quiet=quiet):
         echo(line)
+    if plan.files and not quiet:
+        echo_next(f"Next: wsgen check --distro {distro}  (then build and validate)")
     return EXIT_PASSED
 
 
@@ -171,6 +173,38 @@ def _print_diff(plan: PortPlan) -> None:
     print_diff([*created, *plan.files])
 
 
+def preview(paths: tuple[str, ...], workspace: str | None, distro: str) -> int:
+    """List what a port would change, by file and line; gives the exit code."""
+    import os
+    import shlex
+    from difflib import SequenceMatcher
+    from pathlib import Path
+
+    from wsgen.cli.words import short_path
+    from wsgen.model.target import Target
+    from wsgen.pipeline.check_targets import find_targets
+    from wsgen.porting.plan import plan_port
+
+    targets = find_targets([Path(path) for path in paths], workspace)
+    plan = plan_port(targets, Target(distro=distro, simulator=SIM), os.environ)
+    for file, _ in plan.created:
+        echo(f"{short_path(file)}: new")
+    for fix in plan.files:
+        matcher = SequenceMatcher(
+            None, fix.before.splitlines(), fix.after.splitlines(), autojunk=False
+        )
+        lines = [str(start + 1) for tag, start, *_ in matcher.get_opcodes() if tag != "equal"]
+        echo(f"{short_path(fix.file)}: {'line' if len(lines) == 1 else 'lines'} {', '.join(lines)}")
+    for line in _left(plan):
+        echo(line)
+    if plan.files or plan.created:
+        given = [short_path(Path(path)) for path in paths]
+        echo_next(
+            f"Next: {shlex.join(['wsgen', 'port', *given, '--to', distro, '--diff'])}", err=False
+        )
+    return EXIT_PASSED
+
+
 def _left(plan: PortPlan) -> list[str]:
     """What the author has to do, by file and line; one advice for all that it is about."""
     from wsgen.cli.words import short_path
@@ -184,16 +218,11 @@ def _left(plan: PortPlan) -> list[str]:
     return ["Left to you:", *lines] if lines else []
 
 
-def _summary(plan: PortPlan, distro: str, *, quiet: bool) -> list[str]:
+def _summary(plan: PortPlan, *, quiet: bool) -> list[str]:
     if not plan.files and not plan.created:
         names = ", ".join(plan.packages)
         text = (
             f"Nothing to port: {names} names nothing of {SIMULATORS[CLASSIC]} that can be edited."
         )
         return [*_left(plan), *([] if quiet else [text])]
-    if quiet:
-        return _left(plan)
-    return [
-        *_left(plan),
-        f"Next: wsgen check --distro {distro}, wsgen build, wsgen validate",
-    ]
+    return _left(plan)

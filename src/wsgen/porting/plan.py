@@ -99,7 +99,8 @@ def plan_port(targets: Targets, target: Target, environment: Mapping[str, str]) 
     """
     with remembering():
         rows = _rows(targets, target, environment)
-        ports = [_Port(package) for package in targets.packages]
+        of_ros_1 = [one for one in targets.packages if one.build_type == "catkin"]
+        ports = [_Port(package) for package in targets.packages if package not in of_ros_1]
         for port in ports:
             _port_models(port, target)
         systems = frozenset().union(*(port.all().systems for port in ports))
@@ -111,7 +112,17 @@ def plan_port(targets: Targets, target: Target, environment: Mapping[str, str]) 
             _list_code(port)
         for port in ports:
             _port_build(port, target, ports)
-    return _collect(ports, target, systems)
+    plan = _collect(ports, target, systems)
+    return plan._replace(unported=(*map(_left_in_ros_1, of_ros_1), *plan.unported))
+
+
+def _left_in_ros_1(package: PackageFolder) -> Unported:
+    return Unported(
+        package.path / "package.xml",
+        1,
+        f"{package.name} is of ROS 1: a port is for packages of ROS 2.",
+        "Port it to ROS 2 first: ament_cmake, launch files and nodes.",
+    )
 
 
 def _rows(
