@@ -84,7 +84,7 @@ def test_a_check_lists_what_a_port_would_change(
     assert run(["check", str(package), "--to", "jazzy"]) == 0
     shown = capsys.readouterr().out
     assert "src/gazebo_test/package.xml" in shown
-    assert "src/gazebo_test/model/robot.xacro" in shown
+    assert "src/gazebo_test/model/robot.gazebo: lines" in shown
     assert "wsgen port src/gazebo_test --to jazzy --diff" in shown
     assert (package / "package.xml").read_text(encoding="utf-8") == before
 
