@@ -51,7 +51,7 @@ SWITCHES = {"pause": ("", "-r "), "gui": ("", "-s "), "verbose": ("-v 4 ", "")}
 ON = {"pause": False, "gui": True, "verbose": False}  # their defaults
 ENDS = ("server_required", "gui_required")  # of which `on_exit_shutdown` is the same
 # Launch arguments that Gazebo Sim needs no counterpart of.
-_WITHOUT_LOSS = ("init", "factory", "force_system", "debug", "server", "lockstep", "headless")
+WITHOUT_LOSS = ("init", "factory", "force_system", "debug", "server", "lockstep", "headless")
 DEFAULT_WORLDS = ("", "empty.world", "worlds/empty.world")
 TRUE = ("true", "1")
 # Options of spawn_entity.py without a counterpart, and without a loss: `create` waits by itself.
@@ -194,7 +194,7 @@ class _Port(PythonEdits):
                 self.replace(first, glue.join(lines), last)
             else:
                 self.remove(first, last)
-            if name not in {"world", *SWITCHES, *ENDS, *_WITHOUT_LOSS}:
+            if name not in {"world", *SWITCHES, *ENDS, *WITHOUT_LOSS}:
                 self.leave(
                     one.key,
                     f"The launch argument `{name}` of Gazebo Classic is gone.",

@@ -193,7 +193,7 @@ def _port_launch_files(
             port.add(source, port_launch_file(source, context(source)))
     for source in port.files((*_MARKUP, *LAUNCH_FILES)):
         if source.file.suffix != ".py":
-            port.add(source, port_markup(source, target, context(source)))
+            port.add(source, port_markup(source, context(source)))
 
 
 def _list_code(port: _Port) -> None:
