@@ -85,7 +85,7 @@ velocity_controllers/JointGroupVelocityController
 """
 _TRAJECTORIES = "joint_trajectory_controller/JointTrajectoryController"
 # Types of ROS 1 and Foxy -> what does the same today.
-_FORMER = {
+FORMER_TYPES = {
     "joint_state_controller/JointStateController": "joint_state_broadcaster/JointStateBroadcaster",
     "effort_controllers/JointTrajectoryController": _TRAJECTORIES,
     "position_controllers/JointTrajectoryController": _TRAJECTORIES,
@@ -129,7 +129,7 @@ def parameter_files(descriptions: Iterable[Element]) -> Iterator[Path]:
 
 def managed_types(content: yamlfile.Value) -> Iterator[tuple[str, yamlfile.Value]]:
     """The names of controllers, and their types, in a file of parameters."""
-    for name, section in _sections(content, ""):
+    for name, section in node_sections(content, ""):
         if name.rpartition("/")[2] not in {MANAGER, "**", "*"}:
             continue
         for key, value in section.items():
@@ -144,7 +144,7 @@ def managed_controllers(
     content: yamlfile.Value,
 ) -> Iterator[tuple[str, str, yamlfile.Value | None]]:
     """The full names of controllers, their types, and their parameters, in a file."""
-    sections = dict(_sections(content, ""))
+    sections = dict(node_sections(content, ""))
     for manager, section in sections.items():
         if manager.rpartition("/")[2] != MANAGER:
             continue
@@ -155,13 +155,13 @@ def managed_controllers(
                 yield name, kind.text, sections.get(name)
 
 
-def _sections(value: yamlfile.Value, name: str) -> Iterator[tuple[str, yamlfile.Value]]:
+def node_sections(value: yamlfile.Value, name: str) -> Iterator[tuple[str, yamlfile.Value]]:
     """The parameters of nodes, by their full names."""
     for key, inner in value.items():
         if key == "ros__parameters":
             yield name, inner
         elif name.count("/") < _DEEPEST:
-            yield from _sections(inner, f"{name}/{key.strip('/')}")
+            yield from node_sections(inner, f"{name}/{key.strip('/')}")
 
 
 _DEEPEST = 8  # namespaces
@@ -289,7 +289,7 @@ def unknown_types(
     known = _TYPES.split()
     for name, value in managed_types(content):
         written = value.text or ""
-        meant = _FORMER.get(written)
+        meant = FORMER_TYPES.get(written)
         if meant is None and written not in known:
             package, _, name_of_class = written.partition("/")
             # Another package may well have a class of the same name.
