@@ -8,13 +8,17 @@ import pytest
 
 from wsgen.checks.fixes.source import SourceText, apply
 from wsgen.model.target import Target
+from wsgen.porting.launch_files import Context, port_launch_file
+from wsgen.porting.launch_markup import port_markup
 from wsgen.porting.parameters import Stamper, port_parameters
+
+FILE = Path("/nowhere/p.yaml")
 
 
 def ported(text: str, distro: str = "jazzy") -> tuple[str, list[str], tuple[Stamper, ...]]:
     """The text afterwards, which a second port leaves as it is, and what is listed."""
     target = Target(distro=distro, simulator="gz")
-    source = SourceText(Path("/nowhere/p.yaml"), text)
+    source = SourceText(FILE, text)
     port, stampers = port_parameters(source, target)
     after = apply(text, port.edits)
     again, _ = port_parameters(SourceText(source.file, after), target)
@@ -43,7 +47,7 @@ def test_commands_without_a_time(newline: str) -> None:
     """The controllers of later distributions take no others."""
     text = CONTROLLERS.format(BROADCASTER, DIFF, "    use_stamped_vel: false  # Twist\n")
     after = CONTROLLERS.format(BROADCASTER, DIFF, "    # Twist\n")
-    stamper = Stamper("cont", "/cont/cmd_vel_unstamped", "/cont/cmd_vel")
+    stamper = Stamper(FILE, 11, "cont", "/cont/cmd_vel_unstamped", "/cont/cmd_vel")
     assert ported(text.replace("\n", newline)) == (after.replace("\n", newline), [], (stamper,))
 
 
@@ -139,4 +143,61 @@ def test_renamed_parameters() -> None:
     assert ported(text)[0] == text
     assert ported(text, "kilted")[0] == text.replace(
         "open_loop_control", "interpolate_from_desired_state"
+    )
+
+
+LAUNCH = """from launch import LaunchDescription
+from launch_ros.actions import Node
+
+
+def generate_launch_description():
+    spawner = Node(package='controller_manager', executable='spawner{}', arguments=['cont'])
+    return LaunchDescription([
+        Node(package='gazebo_ros', executable='spawn_entity.py', arguments=['-entity', 'r']),
+        spawner,
+    ])
+"""
+STAMPED = """        spawner,
+        Node(
+            package='twist_stamper',
+            executable='twist_stamper',
+            parameters=[
+                {'use_sim_time': True},
+            ],
+            remappings=[
+                ('/cmd_vel_in', '/cmd_vel'),
+                ('/cmd_vel_out', '/cont/cmd_vel'),
+            ],
+            output='screen',
+        ),
+"""
+
+
+def test_a_launch_file_gives_commands_their_time() -> None:
+    stamper = Stamper(FILE, 10, "cont", "/cmd_vel", "/cont/cmd_vel")
+    context = Context(rows={}, package="p", distro="jazzy", stampers=[stamper])
+    text = LAUNCH.format(".py")
+    port = port_launch_file(SourceText(Path("/nowhere/a.launch.py"), text), context)
+    assert port.packages == {"ros_gz_sim", "twist_stamper"}
+    after = LAUNCH.format("").replace("        spawner,\n", STAMPED)
+    after = after.replace("gazebo_ros", "ros_gz_sim").replace("spawn_entity.py", "create")
+    assert apply(text, port.edits) == after.replace("-entity", "-name")
+
+
+def test_a_launch_file_in_xml_gives_commands_their_time() -> None:
+    stamper = Stamper(FILE, 11, "cont", "/cont/cmd_vel_unstamped", "/cont/cmd_vel")
+    context = Context(rows={}, package="p", distro="jazzy", stampers=[stamper])
+    text = (
+        "<launch>\n"
+        '  <node pkg="controller_manager" exec="spawner.py" args="joints cont -c /c"/>\n'
+        "</launch>\n"
+    )
+    port = port_markup(SourceText(Path("/nowhere/a.launch.xml"), text), context)
+    assert apply(text, port.edits) == (
+        "<launch>\n"
+        '  <node pkg="controller_manager" exec="spawner" args="joints cont -c /c"/>\n'
+        '  <node pkg="twist_stamper" exec="twist_stamper" output="screen">\n'
+        '    <remap from="/cmd_vel_in" to="/cont/cmd_vel_unstamped"/>\n'
+        '    <remap from="/cmd_vel_out" to="/cont/cmd_vel"/>\n'
+        "  </node>\n</launch>\n"
     )

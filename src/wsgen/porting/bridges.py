@@ -10,12 +10,14 @@ from wsgen.model.facts import PROGRAMS
 from wsgen.model.target import SIM
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
+    from wsgen.porting.parameters import Stamper
     from wsgen.porting.ported import BridgeRow
     from wsgen.porting.python_edits import PythonEdits
 
 BRIDGE_PACKAGE, BRIDGE = (PROGRAMS[SIM][key][1] for key in ("bridge_package", "bridge"))
+STAMPER = "twist_stamper"  # a package, and its program
 CLOCK = "/clock@rosgraph_msgs/msg/Clock[gz.msgs.Clock"
 _STARTS = ("on_start", "on_exit", "actions", "on_completion")
 _HANDLERS = ("RegisterEventHandler", "TimerAction")
@@ -45,43 +47,51 @@ class BridgeWriter:
     ) -> bool:
         """Start a bridge where the first of some actions is started that is; whether one is."""
         arguments = [*dict.fromkeys([*([CLOCK] if with_clock else []), *map(option, rows)])]
-        places = next((found for one in beside if (found := [*self._places(one)])), [])
-        if not places:
-            self.file.leave(
-                beside[0],
-                "It is not certain where the bridge of the topics belongs.",
-                f"Add a Node of {BRIDGE_PACKAGE} with these arguments: {' '.join(arguments)}",
-            )
-            return False
-        for place, indent, form in places:
-            self.file.insert(place, form.format(self._node(arguments, rows, indent)))
-        self.file.imports.append("from launch_ros.actions import Node")
-        return True
-
-    def _node(self, arguments: Sequence[str], rows: Sequence[BridgeRow], indent: str) -> str:
-        quoted = self.file.quoted
-        inner = f"{indent}    "
-        remappings = dict.fromkeys(
-            f"({quoted(row.gz_topic)}, {quoted(row.ros_topic)})"
-            for row in rows
-            if row.gz_topic != row.ros_topic
+        renamed = {row.gz_topic: row.ros_topic for row in rows if row.gz_topic != row.ros_topic}
+        if self._add(beside, (BRIDGE_PACKAGE, BRIDGE), arguments, renamed):
+            return True
+        self.file.leave(
+            beside[0],
+            "It is not certain where the bridge of the topics belongs.",
+            f"Add a Node of {BRIDGE_PACKAGE} with these arguments: {' '.join(arguments)}",
         )
-        lines = [
-            "Node(",
-            f"{inner}package={quoted(BRIDGE_PACKAGE)},",
-            f"{inner}executable={quoted(BRIDGE)},",
-            f"{inner}arguments=[",
-            *(f"{inner}    {quoted(one)}," for one in arguments),
-            f"{inner}],",
-        ]
-        if remappings:
-            lines += [
-                f"{inner}remappings=[",
-                *(f"{inner}    {one}," for one in remappings),
-                f"{inner}],",
+        return False
+
+    def stamp(self, beside: ast.Call, stamper: Stamper, sim_time: str | None) -> bool:
+        """Start what gives commands of a controller their time beside what starts that.
+
+        `sim_time` is the Python of the parameter `use_sim_time`.
+        """
+        topics = {"/cmd_vel_in": stamper.source, "/cmd_vel_out": stamper.target}
+        return self._add([beside], (STAMPER, STAMPER), (), topics, sim_time)
+
+    def _add(
+        self,
+        beside: Sequence[ast.Call],
+        program: tuple[str, str],
+        arguments: Sequence[str],
+        renamed: Mapping[str, str],
+        sim_time: str | None = None,
+    ) -> bool:
+        places = next((found for one in beside if (found := [*self._places(one)])), [])
+        for place, indent, form in places:
+            inner, quoted = f"{indent}    ", self.file.quoted
+            pairs = [f"({quoted(one)}, {quoted(other)})" for one, other in renamed.items()]
+            parameters = [f"{{{quoted('use_sim_time')}: {sim_time}}}"] if sim_time else []
+            lines = [
+                "Node(",
+                f"{inner}package={quoted(program[0])},",
+                f"{inner}executable={quoted(program[1])},",
+                *_listed("arguments", map(quoted, arguments), inner),
+                *_listed("parameters", parameters, inner),
+                *_listed("remappings", pairs, inner),
+                f"{inner}output={quoted('screen')},",
+                f"{indent})",
             ]
-        lines += [f"{inner}output={quoted('screen')},", f"{indent})"]
-        return self.file.source.newline.join(lines)
+            self.file.insert(place, form.format(self.file.source.newline.join(lines)))
+        if places:
+            self.file.imports.append("from launch_ros.actions import Node")
+        return bool(places)
 
     def _places(self, call: ast.Call) -> Iterator[_Place]:
         """Where an action goes that is started with another one.
@@ -163,3 +173,9 @@ class BridgeWriter:
                 return True
             around = self.file.parents.get(around)
         return False
+
+
+def _listed(name: str, values: Iterable[str], indent: str) -> list[str]:
+    """An argument of a call that is a list, on lines of its own; nothing of an empty one."""
+    lines = [f"{indent}    {one}," for one in values]
+    return [f"{indent}{name}=[", *lines, f"{indent}],"] if lines else []

@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.fixes.launch_files import RENAMED, name_of, tree_of
 from wsgen.checks.fixes.source import Edit
+from wsgen.checks.rules.controllers import MANAGER
 from wsgen.launching.spawner_options import CREATE, SPAWN_ENTITY, SPAWNERS
 from wsgen.model.facts import PROGRAMS, ROS2_CONTROL_HARDWARE
 from wsgen.model.target import CLASSIC, SIM
-from wsgen.porting.bridges import BRIDGE_PACKAGE, BridgeWriter
+from wsgen.porting.bridges import BRIDGE_PACKAGE, STAMPER, BridgeWriter
 from wsgen.porting.ported import FilePort
 from wsgen.porting.python_edits import PythonEdits, argument
 
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
     from wsgen.checks.fixes.launch_files import Tree
     from wsgen.checks.fixes.source import SourceText
+    from wsgen.porting.parameters import Stamper
     from wsgen.porting.ported import BridgeRow
     from wsgen.porting.python_edits import Entry
 
@@ -89,11 +91,12 @@ class Context(NamedTuple):
     distro: str  # that it is ported to
     # The file of the package that takes the place of Classic's default world; None: Gazebo's own.
     default_world: str | None = None
+    stampers: Sequence[Stamper] = ()  # for the controllers that the launch file may start
 
 
 def port_launch_file(source: SourceText, context: Context) -> FilePort:
     """Port a launch file, or a Python module that one imports."""
-    if _NAMED.search(source.text) is None:
+    if _NAMED.search(source.text) is None and MANAGER not in source.text:
         return FilePort()
     tree = tree_of(source)
     return FilePort() if tree is None else _Port(tree, context).result()
@@ -122,6 +125,7 @@ class _Port(PythonEdits):
         servers = [*self._includes(), *self._commands()]
         spawners = [*self._spawners()]
         self._bridges(servers, spawners)
+        self._controllers(is_simulated=bool(servers or spawners))
         self._names()
         self._rest()
         return FilePort(
@@ -451,6 +455,45 @@ class _Port(PythonEdits):
             is_started |= writer.start(servers, (), with_clock=True)
         if is_started:
             self.packages.add(BRIDGE_PACKAGE)
+
+    # The controllers
+
+    def _controllers(self, *, is_simulated: bool) -> None:
+        """Start controllers as later distributions do, and give their commands a time."""
+        sim_time = "True" if is_simulated else None
+        if sim_time is None and "use_sim_time" in self.declared:
+            sim_time = f"LaunchConfiguration({self.quoted('use_sim_time')})"
+        stampers = {one.controller.rpartition("/")[2]: one for one in self.context.stampers}
+        renamed = self._remappings_of_the_manager()
+        for call in self.calls("Node", "ExecuteProcess"):
+            if name_of(call) == "Node":
+                if self.said(argument(call, None, "package")) != MANAGER:
+                    continue
+                program = self.text(argument(call, None, "executable", "node_executable"))
+                if program is None or program.text.removesuffix(".py") != "spawner":
+                    continue
+                if program.text != "spawner":
+                    self.rename(program, (program.text, "spawner"))
+            words = self.value(argument(call, None, "arguments", "cmd"))
+            listed = words.elts if isinstance(words, (ast.List, ast.Tuple)) else ()
+            for name in map(self.said, listed):
+                stamper = stampers.get(name or "")
+                if stamper is None:
+                    continue
+                stamper = stamper._replace(source=renamed.get(stamper.source, stamper.source))
+                if BridgeWriter(self).stamp(call, stamper, sim_time):
+                    del stampers[name or ""]
+                    self.packages.add(STAMPER)
+
+    def _remappings_of_the_manager(self) -> dict[str, str]:
+        """What topics of controllers are called where the launch file starts their manager."""
+        found: dict[str, str] = {}
+        for call in self.calls("Node"):
+            if self.said(argument(call, None, "package")) == MANAGER:
+                pairs = self.entries(self.value(argument(call, None, "remappings")))
+                for name, one in (pairs or {}).items():
+                    found[name] = self.said(one.value) or name
+        return found
 
     # Everything else that names Gazebo Classic
 

@@ -10,8 +10,9 @@ import re
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.fixes.source import Edit, join_additions
+from wsgen.checks.rules.controllers import MANAGER
 from wsgen.launching.spawner_options import CREATE, SPAWN_ENTITY
-from wsgen.porting.bridges import BRIDGE, BRIDGE_PACKAGE, CLOCK, option
+from wsgen.porting.bridges import BRIDGE, BRIDGE_PACKAGE, CLOCK, STAMPER, option
 from wsgen.porting.launch_files import (
     ADVICE,
     CLIENT,
@@ -234,7 +235,7 @@ class _Bridge(NamedTuple):
 
 def port_markup(source: SourceText, context: Context) -> FilePort:
     """Port a launch file in XML or YAML."""
-    if _OF_CLASSIC.search(source.text) is None:
+    if _OF_CLASSIC.search(source.text) is None and MANAGER not in source.text:
         return FilePort()
     if source.text.lstrip("\ufeff \t\r\n").startswith("<"):
         return _port_xml(source, context)
@@ -276,6 +277,7 @@ def _port_xml(source: SourceText, context: Context) -> FilePort:
             if command is not None:
                 editor.set_attribute(node, "cmd", command)
                 servers += [node] if f" {CLIENT}" not in f"{command} " else []
+    _port_controllers(port, editor, nodes, is_simulated=bool(servers or spawners))
     _port_default_world(port, editor, nodes)
     indices = {id(node): index for index, node in enumerate(nodes)}
     places = [
@@ -321,6 +323,28 @@ def _port_default_world(port: _Markup, editor: Editor, nodes: Sequence[Node]) ->
             text = node.get("default").removeprefix(f"$(find-pkg-share {OLD_PACKAGE})/")
             if text in DEFAULT_WORLDS and PACKAGE in port.packages:
                 editor.set_attribute(node, "default", port.default_world())
+
+
+def _port_controllers(
+    port: _Markup, editor: Editor, nodes: Sequence[Node], *, is_simulated: bool
+) -> None:
+    """Start controllers as later distributions do, and give their commands a time."""
+    stampers = {one.controller.rpartition("/")[2]: one for one in port.context.stampers}
+    for node in nodes:
+        program = node.get("exec")
+        if node.get("pkg") != MANAGER or program.removesuffix(".py") != "spawner":
+            continue
+        editor.set_attribute(node, "exec", "spawner")
+        for name in node.get("args").split():
+            one = stampers.pop(name, None)
+            if one is not None:
+                remaps = {"/cmd_vel_in": one.source, "/cmd_vel_out": one.target}
+                content = [Block("remap", (), f'from="{a}" to="{b}"') for a, b in remaps.items()]
+                if is_simulated:
+                    content.append(Block("param", (), 'name="use_sim_time" value="true"'))
+                attributes = f'pkg="{STAMPER}" exec="{STAMPER}" output="screen"'
+                editor.add_behind(node, Block("node", content, attributes))
+                port.packages.add(STAMPER)
 
 
 def _bridge_element(bridge: _Bridge) -> Block:

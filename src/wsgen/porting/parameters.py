@@ -8,6 +8,7 @@ Kilted.
 from __future__ import annotations
 
 import re
+from pathlib import Path  # noqa: TC003  a NamedTuple
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.fixes.source import Edit
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
 class Stamper(NamedTuple):
     """A controller that takes commands with a time, and took them without one."""
 
+    file: Path  # of its parameters
+    line: int  # 1-based
     controller: str
     source: str  # its former topic
     target: str
@@ -164,7 +167,9 @@ class _Port:
             )
             return
         self._remove_line(line)
-        self.stampers.append(Stamper(name, *(f"{path}/{one}" for one in topics)))
+        self.stampers.append(
+            Stamper(self.source.file, line, name, *(f"{path}/{one}" for one in topics))
+        )
 
     def _libraries(self, value: yamlfile.Value) -> None:
         """Take out what the node loads by itself."""

@@ -23,6 +23,7 @@ from wsgen.porting.launch_files import Context, port_launch_file
 from wsgen.porting.launch_markup import port_markup
 from wsgen.porting.manifests import port_manifest
 from wsgen.porting.models import bridge_rows, port_model
+from wsgen.porting.parameters import port_parameters
 from wsgen.porting.ported import FilePort, Unported, joined
 from wsgen.porting.worlds import model_names, new_world, port_world
 from wsgen.text.files import list_files, real_path, remembering
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from wsgen.model.target import Target
     from wsgen.packages.workspace.layout import PackageFolder
     from wsgen.pipeline.check_targets import Targets
+    from wsgen.porting.parameters import Stamper
     from wsgen.porting.ported import BridgeRow
 
 
@@ -45,6 +47,7 @@ _ROBOT, _SDF, _WORLD, _LAUNCH = (
     re.compile(rf"<{name}\b") for name in ("robot", "sdf", "world", "launch")
 )
 _MODEL = "model.config"  # in the folder of a model
+_OF_YAML = (".yaml", ".yml")
 _HOOKS = (".sh", ".sh.in", ".dsv", ".dsv.in")
 _CODE = (".cpp", ".cc", ".cxx", ".c", ".hpp", ".hh", ".h")
 _OF_CLASSIC = re.compile(
@@ -106,10 +109,13 @@ def plan_port(targets: Targets, target: Target, environment: Mapping[str, str]) 
         systems = frozenset().union(*(port.all().systems for port in ports))
         models = {name for port in ports for name in model_names(port.package.path)}
         models |= {port.package.name for port in ports}
+        stampers = [one for port in ports for one in _port_parameters(port, target)]
+        stampers = [_as_renamed(one, ports) for one in stampers]
         for port in ports:
             _port_worlds(port, target, systems, models)
-            _port_launch_files(port, target, rows, systems)
+            _port_launch_files(port, target, rows, systems, stampers)
             _list_code(port)
+        _list_unstarted(stampers, ports)
         for port in ports:
             _port_build(port, target, ports)
     plan = _collect(ports, target, systems)
@@ -167,11 +173,48 @@ def _port_worlds(
             port.add(source, port_world(source, target, systems, models=models))
 
 
+def _port_parameters(port: _Port, target: Target) -> Iterator[Stamper]:
+    for source in port.files(_OF_YAML):
+        made, stampers = port_parameters(source, target)
+        port.add(source, made)
+        yield from stampers
+
+
+def _as_renamed(stamper: Stamper, ports: Sequence[_Port]) -> Stamper:
+    """With the name that a robot gives to the topic of a controller by remapping."""
+    rule = re.compile(rf"(?<![\w/]){re.escape(stamper.source)}\s*:=\s*([\w/]+)")
+    for port in ports:
+        for source in port.files(_OF_XML):
+            found = rule.search(source.text)
+            if found is not None:
+                return stamper._replace(source=found[1])
+    return stamper
+
+
+def _list_unstarted(stampers: Sequence[Stamper], ports: Sequence[_Port]) -> None:
+    """List the controllers whose commands no launch file gives a time."""
+    written = [edit.text for port in ports for edit in port.all().edits]
+    for one in stampers:
+        if any(one.target in text for text in written):
+            continue
+        unported = Unported(
+            one.file,
+            one.line,
+            f"The controller `{one.controller}` takes commands with a time now: TwistStamped on "
+            f"{one.target}.",
+            f"Publish them so, or start twist_stamper with /cmd_vel_in as {one.source} and "
+            f"/cmd_vel_out as {one.target}.",
+        )
+        port = next(port for port in ports if one.file in port.ports)
+        port.ports[one.file].append(FilePort(unported=(unported,)))
+
+
 def _port_launch_files(
     port: _Port,
     target: Target,
     rows: Mapping[str, Mapping[int, Sequence[BridgeRow]]],
     systems: frozenset[str],
+    stampers: Sequence[Stamper],
 ) -> None:
     own = next(
         (one.file for one in port.files((".world", ".sdf")) if one.file.stem == "empty"), None
@@ -186,6 +229,7 @@ def _port_launch_files(
             package=port.package.name,
             distro=target.distro,
             default_world=world,
+            stampers=stampers,
         )
 
     for source in port.files((".py",)):
@@ -276,7 +320,8 @@ def _collect(ports: Sequence[_Port], target: Target, systems: frozenset[str]) ->
 def _changed(
     source: SourceText, ports: Sequence[FilePort]
 ) -> tuple[FileFix | None, list[Unported]]:
-    edits, left = [], []
+    edits: list[Edit] = []
+    left: list[Unported] = []
     for port in ports:
         left += port.unported
         for edit in dict.fromkeys(port.edits):
