@@ -104,6 +104,12 @@ def test_commands_of_nav2_have_no_time_in_kilted() -> None:
     assert ported(before, "kilted") == (after, [], ())
 
 
+def test_twist_mux_mixes_commands_without_a_time() -> None:
+    text = "twist_mux:\n  ros__parameters:\n    topics:\n      nav: {topic: cmd_vel}\n"
+    line = "    topics:\n"
+    assert ported(text)[0] == text.replace(line, f"    use_stamped: false\n{line}")
+
+
 LIBRARIES = """bt_navigator:
   ros__parameters:
     plugin_lib_names:

@@ -2,7 +2,7 @@
 
 Source: ros-controls/ros2_controllers, doc/migration.rst and the declarations of parameters, Humble
 to Kilted; ros-navigation/navigation2, the plugin descriptions and nav2_bt_navigator, Humble to
-Kilted.
+Kilted; ros-teleop/twist_mux#50 and #55.
 """
 
 from __future__ import annotations
@@ -58,12 +58,18 @@ _PLUGIN = re.compile(
 _BUILT_IN = re.compile(r"nav2_\w+_bt_node|nav2_path_expiring_timer_condition")
 _LIBRARIES = "plugin_lib_names"
 _CHECKER = "progress_checker_plugin"  # a list since Iron
-# The nodes of Nav2 that publish or read commands; since Kilted with a time, unless told otherwise.
-_DRIVING = (
-    *("behavior_server", "collision_monitor", "controller_server", "docking_server"),
-    "velocity_smoother",
-)
-_STAMPED = "enable_stamped_cmd_vel"
+# Nodes that publish or read commands, which have a time unless a parameter says otherwise: that
+# parameter, and since when.
+_STAMPED = {
+    "twist_mux": ("use_stamped", "jazzy"),
+    **dict.fromkeys(
+        (
+            *("behavior_server", "collision_monitor", "controller_server", "docking_server"),
+            "velocity_smoother",
+        ),
+        ("enable_stamped_cmd_vel", "kilted"),
+    ),
+}
 
 
 def port_parameters(source: SourceText, target: Target) -> tuple[FilePort, tuple[Stamper, ...]]:
@@ -89,7 +95,6 @@ class _Port:
     def __init__(self, source: SourceText, target: Target) -> None:
         self.source = source
         self.distro = target.distro
-        self.is_since_kilted = DISTROS.index(target.distro) >= DISTROS.index("kilted")
         self.edits: list[Edit] = []
         self.unported: list[Unported] = []
         self.stampers: list[Stamper] = []
@@ -138,7 +143,7 @@ class _Port:
             is_alone = re.match(rf"[ \t]*{re.escape(key)}[ \t]*:", text) is not None
             if key == _UNSTAMPED and value.content is False:
                 self._stamped(path, value.line, kind or _kind(values), is_alone=is_alone)
-            elif key in _RENAMED_IN_KILTED and self.is_since_kilted and is_alone:
+            elif key in _RENAMED_IN_KILTED and self._is_since("kilted") and is_alone:
                 self._rename(value.line, key, _RENAMED_IN_KILTED[key])
             elif key == _CHECKER and value.text and is_alone:
                 place = text.index(value.text, text.index(":"))
@@ -149,12 +154,15 @@ class _Port:
                 self.edits.append(Edit(start=begin, end=start + last, text=written))
             elif key == _LIBRARIES and name.startswith("bt_navigator"):
                 self._libraries(value)
-        has_it = values.get(_STAMPED) is not None
-        if self.is_since_kilted and name in _DRIVING and not has_it and values.content:
+        parameter, since = _STAMPED.get(name, ("", ""))
+        if parameter and self._is_since(since) and values.get(parameter) is None:
             start, text = self._line(values.line)
-            if text[: len(text) - len(text.lstrip())] and not text.lstrip().startswith("{"):
-                line = f"{self.source.indent_at(start)}{_STAMPED}: false{self.source.newline}"
+            if re.match(r"[ \t]+[\w/*]", text):
+                line = f"{self.source.indent_at(start)}{parameter}: false{self.source.newline}"
                 self.edits.append(Edit(start=start, end=start, text=line))
+
+    def _is_since(self, distro: str) -> bool:
+        return DISTROS.index(self.distro) >= DISTROS.index(distro)
 
     def _stamped(self, path: str, line: int, kind: str, *, is_alone: bool) -> None:
         name, topics = path.strip("/"), _TOPICS.get(kind)
