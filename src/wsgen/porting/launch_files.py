@@ -459,7 +459,7 @@ class _Port(PythonEdits):
     # The controllers
 
     def _controllers(self, *, is_simulated: bool) -> None:
-        """Start controllers as later distributions do, and give their commands a time."""
+        """Give the commands of controllers a time, where they start."""
         sim_time = "True" if is_simulated else None
         if sim_time is None and "use_sim_time" in self.declared:
             sim_time = f"LaunchConfiguration({self.quoted('use_sim_time')})"
@@ -472,8 +472,6 @@ class _Port(PythonEdits):
                 program = self.text(argument(call, None, "executable", "node_executable"))
                 if program is None or program.text.removesuffix(".py") != "spawner":
                     continue
-                if program.text != "spawner":
-                    self.rename(program, (program.text, "spawner"))
             words = self.value(argument(call, None, "arguments", "cmd"))
             listed = words.elts if isinstance(words, (ast.List, ast.Tuple)) else ()
             for name in map(self.said, listed):

@@ -27,6 +27,7 @@ from wsgen.porting.launch_files import (
     ON,
     PACKAGE,
     PARTS,
+    PROGRAMS_RENAMED,
     SPAWNER,
     SWITCHES,
     TRUE,
@@ -332,9 +333,11 @@ def _port_controllers(
     stampers = {one.controller.rpartition("/")[2]: one for one in port.context.stampers}
     for node in nodes:
         program = node.get("exec")
-        if node.get("pkg") != MANAGER or program.removesuffix(".py") != "spawner":
+        renamed = PROGRAMS_RENAMED.get((node.get("pkg"), program), program)
+        if renamed != program:
+            editor.set_attribute(node, "exec", renamed)
+        if node.get("pkg") != MANAGER or renamed != "spawner":
             continue
-        editor.set_attribute(node, "exec", "spawner")
         for name in node.get("args").split():
             one = stampers.pop(name, None)
             if one is not None:
