@@ -139,16 +139,19 @@ def test_commands() -> None:
 
 
 def test_variables() -> None:
-    """Where two become one, the second adds to it."""
+    """Where two become one, the second adds to it, if it does not do so already."""
     before = (
         '  <set_env name="GAZEBO_MODEL_PATH" value="$(find-pkg-share p)/models"/>\n'
         "  <!-- GAZEBO_RESOURCE_PATH too -->\n"
-        '  <set_env name="GAZEBO_RESOURCE_PATH" value="$(env GAZEBO_RESOURCE_PATH):/usr"/>\n'
+        '  <set_env name="GAZEBO_RESOURCE_PATH" value="/usr"/>\n'
+        '  <set_env name="GAZEBO_MODEL_PATH" value="$(env GAZEBO_MODEL_PATH \'\'):/opt"/>\n'
     )
     after = (
         '  <set_env name="GZ_SIM_RESOURCE_PATH" value="$(find-pkg-share p)/models"/>\n'
         "  <!-- GAZEBO_RESOURCE_PATH too -->\n"
-        '  <append_env name="GZ_SIM_RESOURCE_PATH" value="$(env GZ_SIM_RESOURCE_PATH):/usr"/>\n'
+        '  <append_env name="GZ_SIM_RESOURCE_PATH" value="/usr"/>\n'
+        '  <set_env name="GZ_SIM_RESOURCE_PATH" '
+        "value=\"$(env GZ_SIM_RESOURCE_PATH ''):/opt\"/>\n"
     )
     assert ported(xml(before)) == (xml(after), [])
 

@@ -357,14 +357,14 @@ def _bridge_element(bridge: _Bridge) -> Block:
 
 
 def _port_variables(editor: Editor, nodes: Sequence[Node]) -> None:
-    """Write the names of Gazebo Sim; what sets a variable again then adds to it."""
-    seen: set[str] = set()
+    """Write the names of Gazebo Sim; where two variables become one, the second adds to it."""
+    seen: dict[str, str] = {}
     for node in nodes:
-        name = VARIABLES.get(node.get("name"))
-        if name is not None and node.name == "set_env":
-            if name in seen:
+        name = node.get("name")
+        if node.name == "set_env" and name in VARIABLES:
+            first = seen.setdefault(VARIABLES[name], name)
+            if first != name and "$(env" not in node.get("value"):
                 editor.rename(node, "append_env")
-            seen.add(name)
         for one in node.tag.attributes.values():
             text = _renamed(one.text)
             if text != one.text:
