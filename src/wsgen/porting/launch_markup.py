@@ -258,7 +258,7 @@ def _port_xml(source: SourceText, context: Context) -> FilePort:
             _port_arguments(port, editor, node, FILES[file[1]])
             if FILES[file[1]] != CLIENT:
                 servers.append(node)
-        elif node.name == "node" and node.get("pkg") == OLD_PACKAGE:
+        elif node.name == "node" and node.get("pkg") == OLD_PACKAGE and node.get("exec"):
             if node.get("exec") != OLD_SPAWNER:
                 port.leave(
                     node.line,
