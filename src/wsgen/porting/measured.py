@@ -150,7 +150,11 @@ def measure(targets: Targets, environment: Mapping[str, str], distro: str | None
                 continue
             with make_part(found.folder) as folder:
                 launch = _Launch(check, candidate, folder, found.run)
-                for prepared, one in launch.robots():
+                measured = [*launch.robots()]
+                if not measured and launch.errors:
+                    problem = check.installed.text(launch.errors[0])
+                    found.problems.setdefault(candidate.file.name, problem)
+                for prepared, one in measured:
                     robots.append(one)
                     for spawn in spawns:
                         if spawn.entity == prepared.entity:

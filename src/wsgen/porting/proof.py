@@ -69,8 +69,8 @@ class Proof:
 
     @property
     def passed(self) -> bool:
-        """Whether all is the same that should be, and there is something to compare."""
-        return bool(self.rows) and all(row.is_same is not False for row in self.rows)
+        """Whether nothing is known to differ."""
+        return all(row.is_same is not False for row in self.rows)
 
 
 def prove_port(
@@ -97,11 +97,7 @@ def prove_port(
         return _proof("as given", before, targets, target, environment)
     now = find_spawners(targets, environment)
     if not now.are_any:
-        raise RequestError(
-            "No launch file of the packages spawns a robot that could be compared."
-            + "".join(f" {name}: {problem}" for name, problem in now.problems.items()),
-            hint="Give the package with the launch file, or the workspace.",
-        )
+        raise _nothing_spawned(now.problems)
     with make_scratch() as scratch:
         if now.of_classic:
             after = _ported(targets, plan(), scratch)
@@ -113,8 +109,20 @@ def prove_port(
 def _proof(
     name: str, before: Targets, after: Targets, target: Target, environment: Mapping[str, str]
 ) -> Proof:
-    sides = measure(before, environment), measure(after, environment, target.distro)
-    return Proof(before=name, rows=tuple(compare(*sides)))
+    old = measure(before, environment)
+    if not old.robots:
+        raise _nothing_spawned(old.problems)
+    new = measure(after, environment, target.distro)
+    return Proof(before=name, rows=tuple(compare(old, new)))
+
+
+def _nothing_spawned(problems: Mapping[str, str]) -> RequestError:
+    return RequestError(
+        "No launch file of the packages spawns a robot that could be compared."
+        + "".join(f" {name}: {problem}" for name, problem in problems.items()),
+        hint="Give the package with the launch file, or the workspace; `wsgen check` says what is "
+        "wrong with it.",
+    )
 
 
 # The two sides
