@@ -28,6 +28,7 @@ PLUGINS = {
     "in a namespace": "<ros><namespace>/bot</namespace></ros>",
     "of another name": "<camera_name>front</camera_name>"
     "<output_type>sensor_msgs/LaserScan</output_type>",
+    "remapped by an argument": "<ros><argument>~/out:=found</argument></ros>",
     "remapped": "<ros><namespace>bot</namespace><remapping>~/out:=found</remapping>"
     "<remapping>s/image_raw:=/found</remapping><remapping>bumper_states:=found</remapping></ros>",
 }
