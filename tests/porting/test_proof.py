@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+import wsgen.cli
 from wsgen.checks.fixes.plan import FileFix
-from wsgen.errors import RequestError
+from wsgen.errors import EXIT_REQUEST, RequestError
 from wsgen.model.target import SIM, Target
 from wsgen.model.transform import Pose
 from wsgen.pipeline.check_targets import find_targets
-from wsgen.porting.measured import Measured, Side
+from wsgen.pipeline.clock import Clock
+from wsgen.porting.measured import Measured, Side, measure
 from wsgen.porting.plan import PortPlan
 from wsgen.porting.proof import Compared, compare, prove_port
 from wsgen.porting.robot_topics import RosTopic
@@ -196,10 +198,6 @@ def proved(folder: Path, after: Mapping[str, str]) -> Proof:
     return prove_port(find_targets([package]), JAZZY, ENVIRONMENT, lambda: plan)
 
 
-def different(found: Proof) -> list[tuple[str, str, str]]:
-    return [(row.aspect, row.before, row.after) for row in found.rows if row.is_same is False]
-
-
 def git(folder: Path, *words: str) -> str:
     options = ("-c", "user.name=Ada", "-c", "user.email=ada@example.org")
     run = subprocess.run(
@@ -270,15 +268,25 @@ CHANGES = {
 }
 
 
+@pytest.fixture(scope="module")
+def before(tmp_path_factory: pytest.TempPathFactory) -> Side:
+    """The cart in Gazebo Classic, simulated once."""
+    return measured(written(tmp_path_factory.mktemp("classic") / "cart", CLASSIC))
+
+
+def measured(package: Path) -> Side:
+    return measure(find_targets([package]), ENVIRONMENT, None, Clock("cart", None))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("file", "old", "new", "aspects"), CHANGES.values(), ids=CHANGES)
 def test_what_differs_is_named(
-    tmp_path: Path, file: str, old: str, new: str, aspects: list[str]
+    tmp_path: Path, before: Side, file: str, old: str, new: str, aspects: list[str]
 ) -> None:
     assert old in PORTED[file]
-    found = proved(tmp_path, {**PORTED, file: PORTED[file].replace(old, new)})
-    assert [aspect for aspect, _, _ in different(found)] == aspects
-    assert not found.passed
+    changed = {**PORTED, file: PORTED[file].replace(old, new)}
+    rows = compare(before, measured(written(tmp_path / "cart", changed)))
+    assert [row.aspect for row in rows if row.is_same is False] == aspects
 
 
 @pytest.mark.slow
@@ -445,3 +453,41 @@ def test_robots_of_other_names_are_found() -> None:
     assert all(row.is_same for row in found)
     lost = [*compare(Side(old, {}), Side(new[:1], {"sim.launch.py": "It has an error."}))]
     assert lost[0] == Compared("cart", "robot", "sim.launch.py", "It has an error.", False)
+
+
+@pytest.mark.slow
+def test_the_port_of_wsgen_does_the_same(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    package = written(tmp_path / "src" / "cart", CLASSIC)
+    assert wsgen.cli.run(["port", str(package), "--to", "jazzy", "--check"]) == 0
+    shown = capsys.readouterr()
+    assert "Before: as it is\n" in shown.out
+    assert shown.out.endswith("\nThe robots do what they did before.\n")
+    assert " after simulate  sim.launch.py " in shown.err
+    assert {name: (package / name).read_text() for name in CLASSIC} == CLASSIC
+
+
+@pytest.mark.slow
+def test_differences_are_an_exit_code(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = str(written(tmp_path / "humble" / "cart", CLASSIC))
+    lighter = PORTED["urdf/cart.urdf"].replace('<mass value="2"/>', '<mass value="1"/>')
+    after = str(written(tmp_path / "jazzy" / "cart", {**PORTED, "urdf/cart.urdf": lighter}))
+    words = ["port", after, "--to", "jazzy", "--check", "--before", before]
+    assert wsgen.cli.run([*words, "--quiet"]) == 1
+    assert capsys.readouterr().out == "  cart  mass  3.1 kg  2.1 kg  different\n"
+
+
+@pytest.mark.parametrize(
+    ("options", "hint"),
+    [
+        (("--before", "."), "Add --check, or omit --before."),
+        (("--check", "--diff"), "Omit --check, or the other option."),
+        (("--check", "--force"), "Omit --check, or the other option."),
+    ],
+)
+def test_options_without_effect(
+    options: tuple[str, ...], hint: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert wsgen.cli.run(["port", "--to", "jazzy", *options]) == EXIT_REQUEST
+    assert hint in capsys.readouterr().err

@@ -82,7 +82,7 @@ def command(
         refuse_unsaved(package.path for package in targets.packages)
     target = Target(distro=distro, simulator=SIM)
     if is_proof:
-        return _prove(targets, target, before, quiet=quiet)
+        return _prove(targets, target, before, quiet=quiet, verbose=verbose)
     plan = plan_port(targets, target, os.environ)
     if diff or verbose:
         _print_diff(plan)
@@ -115,22 +115,27 @@ def _refuse_useless(*, is_proof: bool, before: str | None, writes: bool) -> None
         )
 
 
-def _prove(targets: Targets, target: Target, before: str | None, *, quiet: bool) -> int:
+def _prove(
+    targets: Targets, target: Target, before: str | None, *, quiet: bool, verbose: bool
+) -> int:
     """Compare the robots before and after a port; gives the exit code."""
     import os
     from pathlib import Path
 
+    from wsgen.cli.progress import listening
     from wsgen.pipeline.check_targets import find_targets
     from wsgen.porting.plan import plan_port
     from wsgen.porting.proof import prove_port
 
-    proof = prove_port(
-        targets,
-        target,
-        os.environ,
-        lambda: plan_port(targets, target, os.environ),
-        before=None if before is None else find_targets([Path(before)]),
-    )
+    with listening(quiet=quiet, verbose=verbose, is_short=True) as listener:
+        proof = prove_port(
+            targets,
+            target,
+            os.environ,
+            lambda: plan_port(targets, target, os.environ),
+            before=None if before is None else find_targets([Path(before)]),
+            listener=listener,
+        )
     for line in _compared(proof, quiet=quiet):
         echo(line)
     return EXIT_PASSED if proof.passed else EXIT_FAILED

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from wsgen.model.world import World
     from wsgen.pipeline.candidates import Candidate
     from wsgen.pipeline.check_targets import Targets
+    from wsgen.pipeline.clock import Clock
     from wsgen.pipeline.prepare import PreparedRobot
 
 
@@ -134,10 +135,16 @@ def find_spawners(targets: Targets, environment: Mapping[str, str]) -> Spawners:
         return Spawners(plugins, bool(found.launches), found.problems)
 
 
-def measure(targets: Targets, environment: Mapping[str, str], distro: str | None = None) -> Side:
+def measure(
+    targets: Targets, environment: Mapping[str, str], distro: str | None, clock: Clock
+) -> Side:
     """Simulate the robots that the launch files of packages spawn.
 
-    `distro` is what packages are for, where they do not say it.
+    Args:
+        targets: The packages.
+        environment: That of the command.
+        distro: What they are for; None: what they say.
+        clock: Posts each simulation.
     """
     robots: list[Measured] = []
     simulated: dict[tuple[str, str], list[tuple[PreparedRobot, str | None, Measured]]] = {}
@@ -148,12 +155,14 @@ def measure(targets: Targets, environment: Mapping[str, str], distro: str | None
             if known and all(len(one) >= MOST_WORLDS for one in known):
                 robots += (_left_out(candidate, *one[0]) for one in known)
                 continue
-            with make_part(found.folder) as folder:
+            name = candidate.file.name
+            with make_part(found.folder) as folder, clock.step("simulate", name) as step:
                 launch = _Launch(check, candidate, folder, found.run)
                 measured = [*launch.robots()]
                 if not measured and launch.errors:
                     problem = check.installed.text(launch.errors[0])
-                    found.problems.setdefault(candidate.file.name, problem)
+                    found.problems.setdefault(name, problem)
+                step.succeeded = not launch.errors
                 for prepared, one in measured:
                     robots.append(one)
                     for spawn in spawns:

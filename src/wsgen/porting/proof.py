@@ -21,6 +21,7 @@ from wsgen.errors import RequestError
 from wsgen.isolation.parent import make_scratch
 from wsgen.model.transform import multiply, rotation_of_rpy, transpose
 from wsgen.packages.workspace.layout import Workspace, find_packages, read_package
+from wsgen.pipeline.clock import Clock
 from wsgen.pipeline.reported import run_git
 from wsgen.porting.measured import find_spawners, measure
 from wsgen.text.values import dataclass
@@ -28,6 +29,7 @@ from wsgen.text.values import dataclass
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
+    from wsgen.events import Listener
     from wsgen.model.target import Target
     from wsgen.packages.workspace.layout import PackageFolder
     from wsgen.pipeline.check_targets import Targets
@@ -73,13 +75,14 @@ class Proof:
         return all(row.is_same is not False for row in self.rows)
 
 
-def prove_port(
+def prove_port(  # noqa: PLR0913  two have defaults
     targets: Targets,
     target: Target,
     environment: Mapping[str, str],
     plan: Callable[[], PortPlan],
     *,
     before: Targets | None = None,
+    listener: Listener | None = None,
 ) -> Proof:
     """Compare packages before and after their port; nothing of the user's is written.
 
@@ -89,30 +92,26 @@ def prove_port(
         environment: That of the command.
         plan: Plans the port of those for Gazebo Classic.
         before: The packages as they were, where that is not for git to say.
+        listener: Is told of each simulation.
 
     Raises:
         RequestError: No launch file spawns a robot, or it is not known how the packages were.
     """
-    if before is not None:
-        return _proof("as given", before, targets, target, environment)
-    now = find_spawners(targets, environment)
-    if not now.are_any:
-        raise _nothing_spawned(now.problems)
     with make_scratch() as scratch:
-        if now.of_classic:
-            after = _ported(targets, plan(), scratch)
-            return _proof("as it is", targets, after, target, environment)
-        commit, before = _before(targets, environment, scratch)
-        return _proof(f"commit {commit}", before, targets, target, environment)
-
-
-def _proof(
-    name: str, before: Targets, after: Targets, target: Target, environment: Mapping[str, str]
-) -> Proof:
-    old = measure(before, environment)
-    if not old.robots:
-        raise _nothing_spawned(old.problems)
-    new = measure(after, environment, target.distro)
+        name, after = "as given", targets
+        if before is None:
+            now = find_spawners(targets, environment)
+            if not now.are_any:
+                raise _nothing_spawned(now.problems)
+            if now.of_classic:
+                name, before, after = "as it is", targets, _ported(targets, plan(), scratch)
+            else:
+                commit, before = _before(targets, environment, scratch)
+                name = f"commit {commit}"
+        old = measure(before, environment, None, Clock("before", listener))
+        if not old.robots:
+            raise _nothing_spawned(old.problems)
+        new = measure(after, environment, target.distro, Clock("after", listener))
     return Proof(before=name, rows=tuple(compare(old, new)))
 
 
