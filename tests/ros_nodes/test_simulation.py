@@ -394,8 +394,8 @@ def test_what_comes_with_the_name_of_a_prepared_robot_is_prepared_anew(tmp_path:
 
 
 def test_names_that_ros_refuses_are_reported_and_all_else_goes_on(tmp_path: Path) -> None:
+    from wsgen.gazebo.plugins import node_name  # noqa: PLC0415
     from wsgen.live.nodes.simulator.commands import CommandServer, _Connection  # noqa: PLC0415
-    from wsgen.live.nodes.simulator.topics import node_name  # noqa: PLC0415
 
     bad = "<ros><namespace>my-robot</namespace></ros>"
     simulation, ros = simulation_of(

@@ -14,7 +14,6 @@ from __future__ import annotations
 import importlib
 import itertools
 import math
-import re
 import time
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
