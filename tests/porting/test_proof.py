@@ -279,10 +279,11 @@ def measured(package: Path) -> Side:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("file", "old", "new", "aspects"), CHANGES.values(), ids=CHANGES)
+@pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
 def test_what_differs_is_named(
-    tmp_path: Path, before: Side, file: str, old: str, new: str, aspects: list[str]
+    tmp_path: Path, before: Side, change: tuple[str, str, str, list[str]]
 ) -> None:
+    file, old, new, aspects = change
     assert old in PORTED[file]
     changed = {**PORTED, file: PORTED[file].replace(old, new)}
     rows = compare(before, measured(written(tmp_path / "cart", changed)))
