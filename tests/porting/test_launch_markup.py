@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from wsgen.porting.launch_markup import port_markup
 
 from wsgen.checks.fixes.source import SourceText, apply
 from wsgen.porting.launch_files import Context
+from wsgen.porting.launch_markup import port_markup
 from wsgen.porting.ported import BridgeRow
 
 SCAN = BridgeRow("/scan", "LaserScan", "sensor_msgs/msg/LaserScan", "[", "/scan")

@@ -10,10 +10,10 @@ from textwrap import dedent
 from typing import TYPE_CHECKING
 
 import pytest
-from wsgen.checks.rules.gazebo_topics import topics_of
 
 from wsgen.checks.fixes.source import SourceText, apply, overlap
 from wsgen.checks.rules.check import check_robot
+from wsgen.checks.rules.node_topics import topics_of
 from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.diagnostics import Severity
 from wsgen.model.target import choose_target

@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from wsgen.porting.launch_markup import port_markup
 
 from wsgen.checks.fixes.source import SourceText, apply
 from wsgen.model.target import Target
 from wsgen.porting.launch_files import Context, port_launch_file
+from wsgen.porting.launch_markup import port_markup
 from wsgen.porting.parameters import Stamper, port_parameters
 
 FILE = Path("/nowhere/p.yaml")

@@ -9,13 +9,12 @@ import subprocess
 from typing import TYPE_CHECKING
 
 import pytest
-from wsgen.pipeline.check_targets import find_targets
 
 from golden_support import golden_package
 from wsgen.cli import run
 from wsgen.diagnostics import Severity
 from wsgen.model.target import SIM, Target
-from wsgen.pipeline.check import CheckRequest, check
+from wsgen.pipeline.check import CheckRequest, check, find_targets
 from wsgen.porting.plan import PortPlan, plan_port
 from wsgen.porting.write import write_port
 

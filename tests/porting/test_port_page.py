@@ -7,13 +7,12 @@ import re
 import shutil
 from pathlib import Path
 
-from wsgen.pipeline.check_targets import find_targets
-
 from golden_support import golden_package
 from wsgen.checks.fixes.plan import unified_diff
 from wsgen.gazebo.sensors import SYSTEM_OF_SENSOR
 from wsgen.gazebo.successors import AS_IN_ROS_2, CONVERSIONS, SENSOR_TYPES, WITHOUT_COUNTERPART
 from wsgen.model.target import SIM, Target
+from wsgen.pipeline.check import find_targets
 from wsgen.porting.plan import plan_port
 
 ELEMENT, QUOTED = re.compile(r"(<[^>]+>)"), r"`\1`"  # Markdown takes an element for HTML

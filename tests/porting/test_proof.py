@@ -8,13 +8,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from wsgen.pipeline.check_targets import find_targets
 
 import wsgen.cli
 from wsgen.checks.fixes.plan import FileFix
 from wsgen.errors import EXIT_REQUEST, RequestError
 from wsgen.model.target import SIM, Target
 from wsgen.model.transform import Pose
+from wsgen.pipeline.check import find_targets
 from wsgen.pipeline.clock import Clock
 from wsgen.porting.measured import Measured, Side, measure
 from wsgen.porting.plan import PortPlan

@@ -14,7 +14,7 @@ from wsgen.model.target import CLASSIC, SIM, SIMULATORS
 
 if TYPE_CHECKING:
     from wsgen.model.target import Target
-    from wsgen.pipeline.check_targets import Targets
+    from wsgen.pipeline.check import Targets
     from wsgen.porting.plan import PortPlan
     from wsgen.porting.proof import Proof
 
@@ -72,7 +72,7 @@ def command(
 
     from wsgen.cli.words import short_name
     from wsgen.model.target import Target
-    from wsgen.pipeline.check_targets import find_targets
+    from wsgen.pipeline.check import find_targets
     from wsgen.porting.plan import plan_port
     from wsgen.porting.write import refuse_unsaved, write_port
 
@@ -123,7 +123,7 @@ def _prove(
     from pathlib import Path
 
     from wsgen.cli.progress import listening
-    from wsgen.pipeline.check_targets import find_targets
+    from wsgen.pipeline.check import find_targets
     from wsgen.porting.plan import plan_port
     from wsgen.porting.proof import prove_port
 
@@ -187,7 +187,7 @@ def preview(paths: tuple[str, ...], workspace: str | None, distro: str) -> int:
 
     from wsgen.cli.words import short_path
     from wsgen.model.target import Target
-    from wsgen.pipeline.check_targets import find_targets
+    from wsgen.pipeline.check import find_targets
     from wsgen.porting.plan import plan_port
 
     targets = find_targets([Path(path) for path in paths], workspace)

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from wsgen.model.transform import Pose
     from wsgen.model.world import World
     from wsgen.pipeline.candidates import Candidate
-    from wsgen.pipeline.check_targets import Targets
+    from wsgen.pipeline.check import Targets
     from wsgen.pipeline.clock import Clock
     from wsgen.pipeline.prepare import PreparedRobot
 

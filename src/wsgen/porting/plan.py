@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from wsgen.checks.fixes.source import SourceText
     from wsgen.model.target import Target
     from wsgen.packages.workspace.layout import PackageFolder
-    from wsgen.pipeline.check_targets import Targets
+    from wsgen.pipeline.check import Targets
     from wsgen.porting.parameters import Stamper
     from wsgen.porting.ported import BridgeRow
 

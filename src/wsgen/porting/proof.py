@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from wsgen.events import Listener
     from wsgen.model.target import Target
     from wsgen.packages.workspace.layout import PackageFolder
-    from wsgen.pipeline.check_targets import Targets
+    from wsgen.pipeline.check import Targets
     from wsgen.porting.measured import Measured, Side
     from wsgen.porting.plan import PortPlan
     from wsgen.porting.robot_topics import RosTopic
