@@ -8,6 +8,7 @@ import pytest
 
 from wsgen.checks.fixes.source import SourceText, apply
 from wsgen.porting.build_files import port_cmake, port_hook, port_setup
+from wsgen.porting.ported import FilePort
 
 HEAD = """cmake_minimum_required(VERSION 3.8)
 project(r)
@@ -80,15 +81,54 @@ def test_what_is_found(before: str, after: str) -> None:
     assert ported((HEAD + before).replace("\n", "\r\n"))[0] == (HEAD + after).replace("\n", "\r\n")
 
 
-def test_a_plugin_of_the_author_stays_with_all_that_it_needs(tmp_path: Path) -> None:
+def test_a_plugin_of_the_author_is_built_where_classic_is_found(tmp_path: Path) -> None:
+    """The rest of the package is built without, too."""
     (tmp_path / "push.cpp").write_text("#include <gazebo/gazebo.hh>\n")
-    text = (
-        f"{HEAD}find_package(gazebo_ros REQUIRED)\nadd_library(push SHARED push.cpp)\n"
-        "ament_target_dependencies(push gazebo_ros)\n"
-    )
-    after, listed = ported(text, file=tmp_path / "CMakeLists.txt")
-    assert after == text
-    assert [one.partition(" is compiled")[0] for one in listed] == ["5: The target `push`"]
+    (tmp_path / "node.cpp").write_text("#include <rclcpp/rclcpp.hpp>\n")
+    before = """find_package(gazebo REQUIRED)
+find_package(gazebo_ros REQUIRED)
+link_directories(${GAZEBO_LIBRARY_DIRS})
+add_executable(n node.cpp)
+ament_target_dependencies(n rclcpp gazebo_ros)
+
+# It pushes.
+add_library(push SHARED push.cpp)
+# Against Gazebo:
+ament_target_dependencies(push
+  gazebo_ros)
+install(TARGETS n push
+  DESTINATION lib/${PROJECT_NAME})
+install(TARGETS push LIBRARY DESTINATION lib)
+ament_export_dependencies(gazebo_ros)
+"""
+    after = """find_package(gazebo QUIET)
+find_package(gazebo_ros QUIET)
+link_directories(${GAZEBO_LIBRARY_DIRS})
+add_executable(n node.cpp)
+ament_target_dependencies(n rclcpp)
+
+# It pushes.
+if(gazebo_FOUND)
+add_library(push SHARED push.cpp)
+# Against Gazebo:
+ament_target_dependencies(push
+  gazebo_ros)
+endif()
+install(TARGETS n
+  DESTINATION lib/${PROJECT_NAME})
+if(gazebo_FOUND)
+install(TARGETS push
+  DESTINATION lib/${PROJECT_NAME})
+endif()
+if(gazebo_FOUND)
+install(TARGETS push LIBRARY DESTINATION lib)
+endif()
+"""
+    source = SourceText(tmp_path / "CMakeLists.txt", HEAD + before)
+    found = port_cmake(source)
+    assert apply(source.text, found.edits) == HEAD + after
+    assert [one.line for one in found.unported] == [11]
+    assert port_cmake(SourceText(source.file, HEAD + after)) == FilePort()
 
 
 def test_headers_of_the_package_that_include_those_of_gazebo(tmp_path: Path) -> None:
@@ -96,12 +136,14 @@ def test_headers_of_the_package_that_include_those_of_gazebo(tmp_path: Path) -> 
     (tmp_path / "include" / "push.h").write_text("#include <gazebo/physics/physics.hh>\n")
     (tmp_path / "push.cpp").write_text('#include "push.h"\n')
     text = (
-        f"{HEAD}add_library(push SHARED push.cpp)\n"
+        f"{HEAD}find_package(gazebo)\nadd_library(push SHARED push.cpp)\n"
         "target_link_libraries(push ${GAZEBO_LIBRARIES})\n"
     )
-    after, listed = ported(text, file=tmp_path / "CMakeLists.txt")
-    assert after == text
-    assert len(listed) == 1
+    source = SourceText(tmp_path / "CMakeLists.txt", text)
+    found = port_cmake(source)
+    after = text.replace("add_library", "if(gazebo_FOUND)\nadd_library") + "endif()\n"
+    assert apply(text, found.edits) == after
+    assert len(found.unported) == 1
 
 
 def test_a_node_that_only_names_gazebo_is_no_plugin(tmp_path: Path) -> None:

@@ -31,9 +31,24 @@ _FOUND = {
         for name in ("gazebo_ros", "gazebo_ros_pkgs", "gazebo_plugins", "gazebo_ros2_control")
     },
 }
-_LISTS = ("ament_target_dependencies", "ament_export_dependencies", "set", "list", "foreach")
+_LISTS = (
+    *("ament_target_dependencies", "ament_export_dependencies", "ament_export_libraries"),
+    *("set", "list", "foreach"),
+)
 _OF_TARGETS = ("ament_target_dependencies", "target_link_libraries")
 _TARGETS = ("add_library", "add_executable", "ament_auto_add_library", "ament_auto_add_executable")
+# Commands whose first argument is a target.
+_ABOUT_A_TARGET = (
+    *_TARGETS,
+    *("ament_target_dependencies", "target_link_libraries", "target_include_directories"),
+    *("target_compile_options", "target_compile_features", "target_compile_definitions"),
+    *("target_link_options", "set_target_properties", "add_dependencies", "target_sources"),
+)
+_OF_INSTALL = (
+    *("EXPORT", "ARCHIVE", "LIBRARY", "RUNTIME", "DESTINATION", "INCLUDES", "OBJECTS"),
+    *("COMPONENT", "OPTIONAL", "PERMISSIONS"),
+)
+_IS_FOUND = re.compile(r"gazebo(?:_\w+)?_FOUND")
 _SCOPES = ("PUBLIC", "PRIVATE", "INTERFACE", "SYSTEM", "BEFORE", "AFTER")
 _HEADER = rb"#\s*include\s*[<\"]gazebo(?:_\w+)?/"
 _VARIABLE = r"\$\{(?:GAZEBO|gazebo\w*)_[A-Z_]+\}"
@@ -41,7 +56,8 @@ _NAMES = re.compile(rf"{'|'.join(_FOUND)}|{_VARIABLE}|GazeboPlugin")
 # Command -> how many arguments it has when it does nothing.
 _EMPTY = {
     **dict.fromkeys(("include_directories", "link_directories", "link_libraries"), 0),
-    **dict.fromkeys(("add_definitions", "add_compile_options", "ament_export_dependencies"), 0),
+    **dict.fromkeys(("add_definitions", "add_compile_options"), 0),
+    **dict.fromkeys(("ament_export_dependencies", "ament_export_libraries"), 0),
     **dict.fromkeys(("target_link_libraries", "ament_target_dependencies", "set"), 1),
     **dict.fromkeys(("target_include_directories", "target_compile_options"), 1),
     "list": 2,
@@ -58,19 +74,22 @@ VARIABLES = {
 def port_cmake(source: SourceText, folders: Collection[str] = ()) -> FilePort:
     """Find what the target has, and install folders that other parts of the port create.
 
-    A target that is compiled against Gazebo Classic stays, with all that it needs.
+    A target that is compiled against Gazebo Classic stays, and is built where that is found.
     """
     commands = read_commands(source)
     compiled = list(_compiled(source, commands))
-    edits = [] if compiled else list(_without_classic(source, commands))
+    edits = list(
+        _built_with_classic(source, commands, compiled)
+        if compiled
+        else _without_classic(source, commands)
+    )
     added = [one for one in sorted(folders) if not _is_installed(commands, one)]
     edits += join_additions(
         edit for folder in added for edit in _installing(source, commands, folder)
     )
-    unported = [_unported_target(source, one) for one in compiled]
-    if not compiled:
-        unported += _conditions(source, commands)
-    return FilePort(edits=tuple(edits), unported=tuple(unported))
+    guarded = _guarded(commands)
+    unported = [_unported_target(source, one) for one in compiled if one not in guarded]
+    return FilePort(edits=tuple(edits), unported=(*unported, *_conditions(source, commands)))
 
 
 def _unported_target(source: SourceText, command: Command) -> Unported:
@@ -78,36 +97,140 @@ def _unported_target(source: SourceText, command: Command) -> Unported:
     return Unported(
         source.file,
         source.line_at(command.start),
-        f"The target `{name}` is compiled against Gazebo Classic: Gazebo Sim cannot load it, and "
-        "the target distribution cannot build it.",
-        f"Port its source to a system of gz-sim, or remove `{name}` and the packages that "
-        "CMakeLists.txt finds for it.",
+        f"The target `{name}` is compiled against Gazebo Classic: it is only built where that is "
+        "found, and Gazebo Sim cannot load it.",
+        f"Port its source to a system of gz-sim, or remove `{name}`.",
     )
+
+
+def _guarded(commands: Sequence[Command]) -> list[Command]:
+    """The commands that are only run where Gazebo Classic is found."""
+    found: list[Command] = []
+    opened: list[bool] = []
+    for command in commands:
+        if command.name == "if":
+            words = [one.text for one in command.arguments]
+            opened.append(len(words) == 1 and _IS_FOUND.fullmatch(words[0]) is not None)
+        elif command.name in {"else", "elseif"} and opened:
+            opened[-1] = False
+        elif command.name == "endif" and opened:
+            opened.pop()
+        elif any(opened):
+            found.append(command)
+    return found
+
+
+def _built_with_classic(
+    source: SourceText, commands: Sequence[Command], compiled: Sequence[Command]
+) -> Iterator[Edit]:
+    """Have the other targets be built where Gazebo Classic is not found."""
+    names = {one.arguments[0].text for one in compiled}
+    found = [
+        one.arguments[0].text
+        for one in commands
+        if one.name == "find_package" and one.arguments and one.arguments[0].text in _FOUND
+    ]
+    condition = next((name for name in _FOUND if name in found and name != MESSAGES), None)
+    if condition is None:
+        return
+    guarded = _guarded(commands)
+    own: list[Command] = []
+    for command in (one for one in commands if one not in guarded):
+        first = command.arguments[0].text if command.arguments else ""
+        if command.name == "find_package" and first in _FOUND:
+            yield from (
+                Edit(start=one.start, end=one.end, text="QUIET")
+                for one in command.arguments
+                if one.text == "REQUIRED"
+            )
+        elif command.name in _ABOUT_A_TARGET and first in names:
+            own.append(command)
+        elif command.name == "install" and first == "TARGETS":
+            listed, end = _installed(command, names)
+            if listed and len(listed) == end - 1:
+                own.append(command)
+            elif listed:
+                yield from _installed_apart(source, command, listed, end, condition)
+        elif command.name in {"ament_export_dependencies", "ament_target_dependencies"}:
+            gone = dict.fromkeys({*_FOUND} - {"gazebo_ros2_control"}, "")
+            yield from _in_command(source, command, gone)
+        elif command.name == "ament_export_libraries":
+            yield from _in_command(source, command, dict.fromkeys(names, ""))
+    yield from _wrapped(source, commands, own, condition)
+
+
+def _installed(command: Command, names: Collection[str]) -> tuple[list[Argument], int]:
+    """Those of some targets that a command installs, and where its options begin."""
+    words = [one.text for one in command.arguments]
+    end = next((n for n, word in enumerate(words) if word in _OF_INSTALL), len(words))
+    return [one for one in command.arguments[1:end] if one.text in names], end
+
+
+def _wrapped(
+    source: SourceText, commands: Sequence[Command], own: Sequence[Command], condition: str
+) -> Iterator[Edit]:
+    """Put commands into a condition, those that follow each other into one."""
+    for place, command in enumerate(commands):
+        if command not in own:
+            continue
+        start, end = source.whole_lines(command.start, command.end)
+        indent, newline = source.indent_at(command.start), source.newline
+        if place == 0 or commands[place - 1] not in own:
+            text = f"{indent}if({condition}_FOUND){newline}"
+            yield Edit(start=start, end=start, text=text)
+        if place + 1 == len(commands) or commands[place + 1] not in own:
+            before = "" if source.text[:end].endswith("\n") else newline
+            yield Edit(start=end, end=end, text=f"{before}{indent}endif(){newline}")
+
+
+def _installed_apart(
+    source: SourceText, command: Command, listed: Sequence[Argument], rest: int, condition: str
+) -> Iterator[Edit]:
+    """Install some of the targets of a command only where Gazebo Classic is found."""
+    for one in listed:
+        yield _without_argument(source, one)
+    newline, indent = source.newline, source.indent_at(command.start)
+    names = " ".join(source.text[one.start : one.end] for one in listed)
+    behind = command.arguments[rest - 1].end
+    options = source.text[behind : command.end]
+    text = (
+        f"{newline}{indent}if({condition}_FOUND)"
+        f"{newline}{indent}install(TARGETS {names}{options}"
+        f"{newline}{indent}endif()"
+    )
+    yield Edit(start=command.end, end=command.end, text=text)
 
 
 def _compiled(source: SourceText, commands: Sequence[Command]) -> Iterator[Command]:
     """The targets whose sources include headers of Gazebo Classic, or whose libraries are its."""
+    folder = source.file.parent
     linked = {
         command.arguments[0].text
         for command in commands
         if command.name in _OF_TARGETS
         and any(_NAMES.fullmatch(one.text) for one in command.arguments[1:])
     }
-    # A source may include them by a header of the package.
-    is_used = bool(linked) and code_with(source.file.parent, _HEADER) is not None
-    for command in commands:
-        if command.name in _TARGETS and command.arguments:
-            names = [one.text for one in command.arguments]
-            files = (source.file.parent / one for one in names[1:] if "$" not in one)
-            if (names[0] in linked and is_used) or any(map(_includes_classic, files)):
-                yield command
+    targets = [one for one in commands if one.name in _TARGETS and one.arguments]
+    if not targets or code_with(folder, _HEADER) is None:
+        return
+    # Headers of the package may include those of Gazebo.
+    headers = {file.name.encode() for file in folder.rglob("*.h*") if _includes(file, _HEADER)}
+    own = rb"#\s*include\s*[<\"](?:[^>\"\n]*/)?(?:%s)[>\"]" % b"|".join(map(re.escape, headers))
+    pattern = b"|".join((_HEADER, own)) if headers else _HEADER
+    for command in targets:
+        written = [one.text for one in command.arguments[1:]]
+        includes = [_includes(folder / one, pattern) for one in written if "." in one]
+        is_known = bool(includes) and None not in includes and "$" not in "".join(written)
+        if any(includes) or (command.arguments[0].text in linked and not is_known):
+            yield command
 
 
-def _includes_classic(file: Path) -> bool:
+def _includes(file: Path, pattern: bytes) -> bool | None:
+    """Whether a file has an `#include` of a pattern; None where it cannot be read."""
     try:
-        return re.search(_HEADER, read_regular(file, _SOURCE_LIMIT)) is not None
+        return re.search(pattern, read_regular(file, _SOURCE_LIMIT)) is not None
     except (OSError, ValueError):
-        return False
+        return None
 
 
 def _tested(commands: Sequence[Command]) -> Iterator[tuple[Command, Argument]]:
@@ -121,6 +244,8 @@ def _tested(commands: Sequence[Command]) -> Iterator[tuple[Command, Argument]]:
 
 def _conditions(source: SourceText, commands: Sequence[Command]) -> Iterator[Unported]:
     for command, one in _tested(commands):
+        if len(command.arguments) == 1:
+            continue  # what needs it is left out
         yield Unported(
             source.file,
             source.line_at(command.start),
@@ -164,7 +289,7 @@ def _in_command(source: SourceText, command: Command, becomes: dict[str, str]) -
             one.text,
         )
         stripped = re.sub(rf"[ ]?{_VARIABLE}", "", one.text)
-        is_listed = place > 0 or command.name == "ament_export_dependencies"
+        is_listed = place > 0 or command.name.startswith("ament_export_")
         if is_listed and command.name in _LISTS and one.text in {*becomes} - {"gazebo"}:
             new = becomes[one.text]
             if new and new not in listed:
