@@ -75,6 +75,23 @@ def test_types_of_controllers() -> None:
     assert [line.partition(" have ")[0] for line in listed] == ["7: ROS 2 jazzy does not"]
 
 
+def test_controllers_that_pass_commands_on() -> None:
+    """Lyrical has one type for all interfaces."""
+    kind = "velocity_controllers/JointGroupVelocityController"
+    text = CONTROLLERS.format(BROADCASTER, kind, "    joints: [a]\n")
+    assert ported(text, "kilted") == (text, [], ())
+    after = text.replace(kind, "forward_command_controller/ForwardCommandController").replace(
+        "    publish_rate", "    interface_name: velocity\n    publish_rate"
+    )
+    assert ported(text, "lyrical") == (after, [], ())
+
+
+def test_grippers_are_listed() -> None:
+    text = CONTROLLERS.format(BROADCASTER, "position_controllers/GripperActionController", "")
+    assert ported(text) == (text, [], ())
+    assert len(ported(text, "kilted")[1]) == 1
+
+
 NAV2 = """planner_server:
   ros__parameters:
     GridBased:

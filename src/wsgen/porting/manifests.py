@@ -30,6 +30,10 @@ SUCCESSORS = {
     "gazebo": "ros_gz_sim",
     "gazebo9": "ros_gz_sim",
     "gazebo11": "ros_gz_sim",
+    **dict.fromkeys(
+        ("effort_controllers", "position_controllers", "velocity_controllers"),
+        "forward_command_controller",
+    ),
     "gazebo_ros2_control_demos": "gz_ros2_control_demos",
     "ign_ros2_control_demos": "gz_ros2_control_demos",
     "joint_state_controller": "joint_state_broadcaster",

@@ -15,6 +15,7 @@ from wsgen.checks.fixes.source import Edit
 from wsgen.checks.rules.controllers import FORMER_TYPES, managed_types, node_sections
 from wsgen.model.facts import DISTROS
 from wsgen.porting.ported import FilePort, Unported
+from wsgen.ros.names import released_packages
 from wsgen.text import yamlfile
 
 if TYPE_CHECKING:
@@ -48,6 +49,18 @@ _TOPICS = {
 _UNSTAMPED = "use_stamped_vel"
 # Types that the same parameters suit.
 _ALIKE = ("joint_state_controller/JointStateController",)
+# Types of controllers that pass commands on to one interface -> that; where a distribution lacks
+# their package, this one does the same.
+_FORWARDING = {
+    f"{one}_controllers/JointGroup{one.capitalize()}Controller": one
+    for one in ("effort", "position", "velocity")
+}
+_FORWARD = "forward_command_controller/ForwardCommandController"
+_GRIPPERS = {
+    f"{one}_controllers/GripperActionController": "parallel_gripper_action_controller/"
+    "GripperActionController"
+    for one in ("effort", "position")
+}
 # Parameter of a controller -> its name since Kilted.
 _RENAMED_IN_KILTED = {"open_loop_control": "interpolate_from_desired_state"}
 # Plugins of Nav2 as they are called up to Iron; later they are C++ names.
@@ -81,9 +94,11 @@ def port_parameters(source: SourceText, target: Target) -> tuple[FilePort, tuple
         return FilePort(), ()
     port = _Port(source, target)
     types = {name: value.text or "" for name, value in managed_types(content)}
+    nodes = [*node_sections(content, "")]
+    parameters = {path.rpartition("/")[2]: values for path, values in nodes}
     for name, value in managed_types(content):
-        port.former_type(name, value)
-    for path, values in node_sections(content, ""):
+        port.type(name, value, parameters.get(name))
+    for path, values in nodes:
         port.node(path, values, types.get(path.rpartition("/")[2], ""))
     port.plugins()
     return FilePort(edits=tuple(port.edits), unported=tuple(port.unported)), tuple(port.stampers)
@@ -123,17 +138,33 @@ class _Port:
             self.edits.append(Edit(start=place, end=place + len(old), text=new))
         return len(found) == 1
 
-    def former_type(self, name: str, value: yamlfile.Value) -> None:
-        """Write the type of a controller that has another one today."""
+    def type(self, name: str, value: yamlfile.Value, parameters: yamlfile.Value | None) -> None:
+        """Write the type of a controller that has another one in the distribution."""
         written = value.text or ""
+        package = "gripper_controllers" if written in _GRIPPERS else written.partition("/")[0]
         new = FORMER_TYPES.get(written)
+        if new is None and self.distro not in released_packages().get(package, (self.distro,)):
+            new = _GRIPPERS.get(written) or (_FORWARD if written in _FORWARDING else None)
         if new is None or (written in _ALIKE and self._rename(value.line, written, new)):
             return
+        if written in _FORWARDING and parameters is not None:
+            line = f"interface_name: {_FORWARDING[written]}"
+            if self._add(parameters, line) and self._rename(value.line, written, new):
+                return
         self._leave(
             value.line,
             f"ROS 2 {self.distro} does not have the type `{written}` of the controller `{name}`.",
             f"Use `{new}`, with the parameters that it takes.",
         )
+
+    def _add(self, values: yamlfile.Value, written: str) -> bool:
+        """Add a parameter in front of the others, where these are in block style."""
+        start, text = self._line(values.line)
+        if re.match(r"[ \t]+[\w/*]", text) is None:
+            return False
+        line = f"{self.source.indent_at(start)}{written}{self.source.newline}"
+        self.edits.append(Edit(start=start, end=start, text=line))
+        return True
 
     def node(self, path: str, values: yamlfile.Value, kind: str) -> None:
         """Port the parameters of a node."""
@@ -156,10 +187,7 @@ class _Port:
                 self._libraries(value)
         parameter, since = _STAMPED.get(name, ("", ""))
         if parameter and self._is_since(since) and values.get(parameter) is None:
-            start, text = self._line(values.line)
-            if re.match(r"[ \t]+[\w/*]", text):
-                line = f"{self.source.indent_at(start)}{parameter}: false{self.source.newline}"
-                self.edits.append(Edit(start=start, end=start, text=line))
+            self._add(values, f"{parameter}: false")
 
     def _is_since(self, distro: str) -> bool:
         return DISTROS.index(self.distro) >= DISTROS.index(distro)
