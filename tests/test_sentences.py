@@ -41,11 +41,11 @@ IMPERATIVES = frozenset(
         r"\w+",
         """
         Add Attach Begin Break Build Call Change Check Choose Clone Close Combine Commit Compute
-        Connect Convert Copy Correct Create Deactivate Declare Define Delete Describe Divide Download
-        End Expand Export Extend Fix Free Give Go Include Indent Install Keep Leave Let List Look
-        Make Move Name Omit Port Publish Put Raise Read Record Reduce Remove Rename Repeat Replace
-        Report Restore Rewrite Run Save Select Separate Set Simulate Source Spawn Start Swap Triangulate
-        Try Turn Use Validate Wait Wrap Write
+        Connect Convert Copy Correct Create Deactivate Declare Define Delete Describe Divide
+        Download End Expand Export Extend Fix Free Give Go Include Indent Install Keep Leave Let
+        List Look Make Move Name Omit Port Publish Put Raise Read Record Reduce Remove Rename Repeat
+        Replace Report Restore Rewrite Run Save Select Separate Set Simulate Source Spawn Start Swap
+        Triangulate Try Turn Use Validate Wait Wrap Write
         """,
     )
 )
