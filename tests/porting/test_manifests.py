@@ -89,6 +89,17 @@ def ported(
             id="what is needed is added",
         ),
         pytest.param(
+            "  <depend>gazebo_ros</depend>\n"
+            "  <exec_depend>xacro</exec_depend>\n"
+            "  <exec_depend>gazebo</exec_depend>\n"
+            "  <exec_depend>gazebo_plugins</exec_depend>\n",
+            ("ros_gz_sim", "ros_gz_bridge"),
+            "  <depend>ros_gz_sim</depend>\n"
+            "  <exec_depend>xacro</exec_depend>\n"
+            "  <exec_depend>ros_gz_bridge</exec_depend>\n",
+            id="what is added comes behind what stays",
+        ),
+        pytest.param(
             "  <exec_depend>gazebo_ros_pkgs</exec_depend>\n"
             "  <exec_depend>gazebo_ros2_control</exec_depend>\n",
             ("ros_gz_sim", "ros_gz_bridge", "r"),

@@ -108,13 +108,13 @@ def port_manifest(
         if "condition" not in tag.attributes
         or holds(tag.attributes["condition"].text, target.distro)
     ]
-    edits = list(_renamed(source, declared))
+    edits, gone = _renamed(source, declared)
     kept = {one.becomes for one in declared if one.tag.name in RUN_TAGS}
     own = next((text_of(source, tag) for tag in top if tag.name == "name"), "")
     missing = sorted(
         name for name in needs if name not in {*kept, own} and not is_brought(name, kept)
     )
-    edits += declare(source, [("exec_depend", name) for name in missing])
+    edits += declare(source, [("exec_depend", name) for name in missing], gone=gone)
     if has_models:
         edits += _searched(source, top)
     return FilePort(
@@ -136,8 +136,10 @@ def _successor(name: str, target: Target, workspace: Collection[str], folder: Pa
     return instead if not instead or target.distro in released.get(instead, ()) else name
 
 
-def _renamed(source: SourceText, declared: list[_Declared]) -> Iterator[Edit]:
-    """Write the new names, each once with a tag."""
+def _renamed(source: SourceText, declared: list[_Declared]) -> tuple[list[Edit], list[Tag]]:
+    """Write the new names, each once with a tag; return the elements that go, too."""
+    edits: list[Edit] = []
+    gone: list[Tag] = []
     whole = {one.becomes for one in declared if one.tag.name == "depend"}
     changed = {one.becomes for one in declared if one.becomes != one.name}
     # What was written under the new name before comes first.
@@ -153,12 +155,14 @@ def _renamed(source: SourceText, declared: list[_Declared]) -> Iterator[Edit]:
             is_covered or (one.becomes != one.name and (not one.becomes or key in seen))
         ):
             start, end = source.whole_lines(one.tag.start.start, one.tag.end.end)
-            yield Edit(start=start, end=end, text="")
+            edits.append(Edit(start=start, end=end, text=""))
+            gone.append(one.tag)
             continue
         if one.becomes != one.name:
             start = source.text.index(one.name, one.tag.start.end)
-            yield Edit(start=start, end=start + len(one.name), text=one.becomes)
+            edits.append(Edit(start=start, end=start + len(one.name), text=one.becomes))
         seen.add(key)
+    return edits, gone
 
 
 def _searched(source: SourceText, top: list[Tag]) -> list[Edit]:

@@ -11,7 +11,7 @@ from wsgen.checks.fixes.xml_source import read_tags
 from wsgen.text.suggestions import suggested
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Collection, Iterable, Sequence
 
     from wsgen.checks.fixes.source import SourceText
     from wsgen.checks.fixes.xml_source import Tag
@@ -51,9 +51,12 @@ def add_dependencies(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edi
     )
 
 
-def declare(source: SourceText, dependencies: Iterable[tuple[str, str]]) -> list[Edit]:
-    """Add dependencies, each a tag with a name, behind those of their kind."""
+def declare(
+    source: SourceText, dependencies: Iterable[tuple[str, str]], *, gone: Collection[Tag] = ()
+) -> list[Edit]:
+    """Add dependencies, each a tag with a name, behind those of their kind that do not go."""
     root, top = top_of(source)
+    top = [tag for tag in top if tag not in gone]
     if root is None or root.end is None:
         return []
     edits = []
