@@ -10,7 +10,7 @@ import re
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.rules.bridges import FROM_GZ, TO_GZ, Bridge, absolute, find_bridges
-from wsgen.checks.rules.node_topics import resolve
+from wsgen.checks.rules.node_topics import STAMPED, TWIST, remapped, resolve
 from wsgen.gazebo.bridged_types import short_gz_type, short_ros_type
 from wsgen.gazebo.plugins import PLUGINS, REMAPPINGS, TRUE, node_name, simulator_of, stem
 from wsgen.gazebo.sensors import (
@@ -26,7 +26,7 @@ from wsgen.model.target import CLASSIC
 from wsgen.pipeline.check_launched import topics_of_launch
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from wsgen.gazebo.plugins import GazeboPlugin
     from wsgen.model.devices import Devices, MountedSensor
@@ -42,6 +42,9 @@ class RosTopic(NamedTuple):
     type: str  # "sensor_msgs/LaserScan"
     is_published: bool  # by the simulator; if not, it reads the topic
     frame: str = ""  # in the header, and of odometry "odom → base_link"; empty: not known
+    # The link that the description puts a sensor on; `frame` is what Gazebo Classic has lumped it
+    # into, where a plugin names none.
+    place: str = ""
 
 
 class _GzTopic(NamedTuple):
@@ -61,6 +64,7 @@ _FRAMES = (
     ("frame_name", "body_name"),
 )
 _IMAGE_BRIDGES = (("ros_gz_image", "image_bridge"), ("ros_ign_image", "image_bridge"))
+_STAMPER = "twist_stamper"  # a package, and its program
 _CLOCK = RosTopic("/clock", "rosgraph_msgs/Clock", is_published=True)
 _WORLD = re.compile(r"^/world/[^/]+/")
 
@@ -90,7 +94,16 @@ def topics_of_robot(
         for one in topics_of_launch(started, ()).endpoints
         if one.owner.startswith("the controller")
     )
-    return frozenset(found)
+    return frozenset((*found, *_stamped(found, started.plan)))
+
+
+def _stamped(found: Iterable[RosTopic], plan: LaunchPlan) -> Iterator[RosTopic]:
+    """The commands without a time that nodes of twist_stamper read for a robot."""
+    for program in started_programs(plan):
+        if (program.package, program.executable) == (_STAMPER, _STAMPER):
+            source, target = (remapped(f"cmd_vel_{end}", program) for end in ("in", "out"))
+            if source and any(one.name == target and one.type == STAMPED for one in found):
+                yield RosTopic(source, TWIST, is_published=False)
 
 
 def _namespace(robot: PreparedRobot, started: Started) -> str:
@@ -132,15 +145,15 @@ def of_classic_sensor(sensor: MountedSensor, plugin: Element) -> Iterator[RosTop
         eyes = sensor.element.find_all("camera")
         cameras = [f"{camera}/{one.attributes.get('name', 'default')}" for one in eyes]
     parameters = {} if name not in PLUGINS else PLUGINS[name].parameters
-    # A link of an included model has the names of models before its own.
-    frame = plugin.get("frame_name") or str(
-        parameters.get("frame_name") or sensor.link.rpartition("::")[2]
-    )
+    frame, place = plugin.get("frame_name") or str(parameters.get("frame_name") or ""), ""
+    if not frame:  # a link of an included model has the names of models before its own
+        frame, place = (link.rpartition("::")[2] for link in (sensor.link, sensor.frame))
     for one in cameras if name == "gazebo_ros_camera" else cameras[:1]:
         for pattern, type_ in topics.items():
             topic = _in_ros(pattern.format(camera=one), plugin)
             said = plugin.get("output_type") or str(parameters.get("output_type"))
-            yield RosTopic(topic, type_.format(output_type=said), is_published=True, frame=frame)
+            kind = type_.format(output_type=said)
+            yield RosTopic(topic, kind, is_published=True, frame=frame, place=place)
 
 
 def _in_ros(topic: str, plugin: Element) -> str:
