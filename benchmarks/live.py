@@ -24,7 +24,7 @@ from wsgen.isolation.codec import encode
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
 from wsgen.ros.environment import open_ros
-from wsgen.simulation.live_scene import FOLDER_VARIABLE, SCENE_FILE, LiveScene, socket_path
+from wsgen.simulation.live_runs import FOLDER_VARIABLE, SCENE_FILE, LiveScene, socket_path
 from wsgen.simulation.scene import Scene, SpawnedRobot
 
 LEAST, MOST_OF_A_CORE, EXACT = 4.0, 1 / 3, 0.01  # what live runs must reach

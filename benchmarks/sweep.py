@@ -28,8 +28,8 @@ from wsgen.simulation.bullet_body import HIGHEST_JOINT_SPEED
 from wsgen.simulation.scene import Scene
 from wsgen.simulation.simulate import spawn_robots
 from wsgen.simulation.urdf_writer import write_urdf
+from wsgen.sweeping.robot_subjects import open_subject
 from wsgen.sweeping.subject import SubjectRequest
-from wsgen.sweeping.subjects import open_subject
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

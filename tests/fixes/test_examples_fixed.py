@@ -14,8 +14,7 @@ import pytest
 
 from planted_examples import PLANTS
 from planted_packages import check_all, complete, write
-from wsgen.checks.fixes.plan import plan_fixes, write_fixes
-from wsgen.checks.fixes.registry import FIXERS
+from wsgen.checks.fixes.plan import FIXERS, plan_fixes, write_fixes
 from wsgen.checks.rules.catalogue import all_rules
 from wsgen.diagnostics import Severity
 

@@ -8,10 +8,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from fixes.crafted import fixed, report
-from wsgen.checks.fixes.meant import is_surely
-from wsgen.checks.fixes.plan import plan_fixes, unified_diff, write_fixes
-from wsgen.checks.fixes.registry import FIXERS
-from wsgen.checks.fixes.source import Edit, apply, overlap
+from wsgen.checks.fixes.plan import FIXERS, plan_fixes, unified_diff, write_fixes
+from wsgen.checks.fixes.source import Edit, apply, is_surely, overlap
 from wsgen.checks.rules.catalogue import find_rule
 from wsgen.text.suggestions import suggested
 

@@ -16,8 +16,7 @@ import pytest
 
 from urdf_texts import joint, link, robot, shape
 from wsgen.pipeline.real_gazebo import _WAITS_FOR_NODES, with_folders
-from wsgen.simulation.gazebo_servers import first, read_message, read_model
-from wsgen.simulation.real_gazebo import find_gazebo
+from wsgen.simulation.real_gazebo import find_gazebo, first, read_message, read_model
 
 FAKE = Path(__file__).with_name("fake_gazebo.py")
 BOX = shape("collision", '<box size="0.4 0.4 0.2"/>')

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.isolation.stale import PREFIX, SECONDS_TO_HOLD, held, remove_stale
+from wsgen.isolation.parent import PREFIX, SECONDS_TO_HOLD, held, remove_stale
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="folders have no locks there")
 
@@ -53,7 +53,7 @@ def test_the_folder_of_a_killed_process_is_removed(tmp_path: Path) -> None:
 def test_folders_that_are_held_hide_no_others(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("wsgen.isolation.stale.MOST_REMOVED", 2)
+    monkeypatch.setattr("wsgen.isolation.parent.MOST_REMOVED", 2)
     folders = [tmp_path / f"{PREFIX}{number}" for number in range(8)]
     for folder in folders:
         folder.mkdir()

@@ -18,7 +18,7 @@ from wsgen.packages.workspace.overlay import Overlay
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
 from wsgen.pipeline.started import Started
-from wsgen.simulation.live_scene import NewEntity, PreparedEntity, preparer_path, short_name
+from wsgen.simulation.live_runs import NewEntity, PreparedEntity, preparer_path, short_name
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -16,13 +16,14 @@ from typing import Any
 import pytest
 
 from wsgen.errors import NotFoundError
-from wsgen.isolation.stale import PREFIX, held
+from wsgen.isolation.parent import PREFIX, held
 from wsgen.live.nodes.unanswered import Run
 from wsgen.live.replacements import find_command
 from wsgen.live.resolve import write_ros2
 from wsgen.live.run import note_end, note_start
 from wsgen.ros.environment import RosEnvironment
 from wsgen.simulation.live_runs import (
+    FOLDER_VARIABLE,
     REQUEST_FILE,
     STARTING_FILE,
     distro_of_run,
@@ -30,8 +31,9 @@ from wsgen.simulation.live_runs import (
     find_runs,
     find_simulator,
     launched_in,
+    short_name,
+    socket_path,
 )
-from wsgen.simulation.live_scene import FOLDER_VARIABLE, short_name, socket_path
 
 PYTHON = Path("/python")
 

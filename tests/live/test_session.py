@@ -38,7 +38,7 @@ from wsgen.live.resources import Activity, cpu_seconds, is_at_work, take_domain
 from wsgen.live.session import LiveSession, LiveState
 from wsgen.model.behavior import Behavior, BehaviorRun, LaunchTask
 from wsgen.pipeline.requests import ValidateRequest
-from wsgen.simulation.live_scene import short_name, socket_path
+from wsgen.simulation.live_runs import short_name, socket_path
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.live import termination
 from wsgen.live.termination import SimulatedTime
-from wsgen.simulation.live_scene import short_name, socket_path
+from wsgen.simulation.live_runs import short_name, socket_path
 
 if TYPE_CHECKING:
     from pathlib import Path

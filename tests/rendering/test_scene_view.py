@@ -11,16 +11,16 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from simulation.fake_engine import FakeEngine
 from wsgen.model.robot import Box, Cylinder, Inertial, Link, Mesh, Robot, Sphere, Visual
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
 from wsgen.pipeline.tasks.simulation import simulate
 from wsgen.rendering.render_items import list_render_items
 from wsgen.rendering.renderer import Renderer
-from wsgen.rendering.scene_view import AROUND, Triangles, View, merge, simplify
-from wsgen.rendering.scene_view import view_of as surfaces_of
+from wsgen.rendering.scene_renderer import AROUND, Triangles, View, merge, simplify
+from wsgen.rendering.scene_renderer import view_of as surfaces_of
 from wsgen.simulation.engine import State
-from wsgen.simulation.fake import FakeEngine
 from wsgen.simulation.scene import Scene, SpawnedRobot
 
 if TYPE_CHECKING:

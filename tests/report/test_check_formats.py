@@ -21,8 +21,13 @@ from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.model.robot import Robot
 from wsgen.pipeline.check import CheckOutcome
 from wsgen.pipeline.reported import Reported
-from wsgen.reporting.check_formats import render_github, render_json, render_junit, render_sarif
-from wsgen.reporting.places import Places
+from wsgen.reporting.check_formats import (
+    Places,
+    render_github,
+    render_json,
+    render_junit,
+    render_sarif,
+)
 
 if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic

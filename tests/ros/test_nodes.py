@@ -17,7 +17,7 @@ import yaml
 from scipy.spatial.transform import Rotation
 
 from ros_for_tests import variables_for
-from wsgen.simulation.live_scene import FOLDER_VARIABLE
+from wsgen.simulation.live_runs import FOLDER_VARIABLE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -14,7 +14,7 @@ import pytest
 from ros_for_tests import variables_for
 from ros_nodes.fake_ros import live_scene, plugin
 from wsgen.isolation.codec import encode
-from wsgen.simulation.live_scene import FOLDER_VARIABLE, SCENE_FILE, LiveScene
+from wsgen.simulation.live_runs import FOLDER_VARIABLE, SCENE_FILE, LiveScene
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

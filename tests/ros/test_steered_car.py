@@ -18,7 +18,7 @@ from wsgen.descriptions.urdf.lumping import lump
 from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
-from wsgen.simulation.live_scene import LiveScene
+from wsgen.simulation.live_runs import LiveScene
 from wsgen.simulation.scene import Scene, SpawnedRobot
 
 pytestmark = pytest.mark.slow

@@ -12,14 +12,14 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ros_nodes.sensor_texts import element
+from simulation.fake_engine import FakeEngine
 from simulation.robots import GROUND, body, joint, shape, tree
 from wsgen.isolation.codec import decode, encode
 from wsgen.model.devices import Devices
 from wsgen.model.robot import Box, Cylinder, JointType, Sphere
 from wsgen.model.transform import Pose
 from wsgen.simulation.engine import State
-from wsgen.simulation.fake import FakeEngine
-from wsgen.simulation.live_scene import LiveScene
+from wsgen.simulation.live_runs import LiveScene
 from wsgen.simulation.scene import Scene, SpawnedRobot
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from wsgen.model.devices import Devices, MountedSensor
 from wsgen.model.robot import Box, JointType, Link
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.simulation.bullet import BulletEngine
-from wsgen.simulation.live_scene import LiveScene
+from wsgen.simulation.live_runs import LiveScene
 from wsgen.simulation.scene import Scene, SpawnedRobot
 
 if TYPE_CHECKING:

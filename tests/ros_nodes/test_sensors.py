@@ -19,7 +19,7 @@ from wsgen.model.devices import Devices, MountedSensor, pose_of
 from wsgen.model.robot import Box, Collision, Link, Robot, Visual
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.model.world import World
-from wsgen.simulation.live_scene import LiveScene
+from wsgen.simulation.live_runs import LiveScene
 from wsgen.simulation.scene import Scene, SpawnedRobot
 
 if TYPE_CHECKING:

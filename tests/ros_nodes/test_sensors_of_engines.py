@@ -16,7 +16,7 @@ from wsgen.model.devices import Devices, MountedSensor
 from wsgen.model.engines import ENGINES
 from wsgen.model.robot import Box
 from wsgen.model.transform import Pose
-from wsgen.simulation.live_scene import LiveScene
+from wsgen.simulation.live_runs import LiveScene
 from wsgen.simulation.run import missing_engines
 from wsgen.simulation.scene import Scene, SpawnedRobot
 

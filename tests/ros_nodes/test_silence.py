@@ -6,7 +6,7 @@ import time
 from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
-from wsgen.isolation.stale import held
+from wsgen.isolation.parent import held
 from wsgen.live.nodes.unanswered import Run, Silence
 
 if TYPE_CHECKING:

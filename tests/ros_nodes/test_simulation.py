@@ -30,7 +30,7 @@ from wsgen.isolation.codec import encode
 from wsgen.live.nodes.signals import ignore_ends
 from wsgen.model.devices import Devices, Element, MountedSensor
 from wsgen.model.transform import Pose
-from wsgen.simulation.live_scene import (
+from wsgen.simulation.live_runs import (
     FOLDER_VARIABLE,
     SCENE_FILE,
     UNHEARD_FILE,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from wsgen.live.nodes import simulator_client
-from wsgen.simulation.live_scene import short_name, socket_path
+from wsgen.simulation.live_runs import short_name, socket_path
 
 if TYPE_CHECKING:
     from pathlib import Path

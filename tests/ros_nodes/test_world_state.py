@@ -11,7 +11,7 @@ import pytest
 
 from ros_nodes.fake_ros import ROVER, live_scene, plugin, rover_engine, simulation_of, still_at
 from wsgen.model.devices import Devices, MountedSensor
-from wsgen.simulation.live_scene import NewEntity, PreparedEntity
+from wsgen.simulation.live_runs import NewEntity, PreparedEntity
 from wsgen.simulation.scene import SpawnedRobot
 
 pytestmark = pytest.mark.usefixtures("messages")

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.checks.fixes.registry import FIXERS
+from wsgen.checks.fixes.plan import FIXERS
 from wsgen.checks.rules.catalogue import (
     FAMILIES,
     MODULES,

@@ -5,9 +5,9 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
+from simulation.fake_engine import FakeEngine
 from wsgen.pipeline.tasks import simulation
 from wsgen.simulation.engine import Contact, Loaded, Refused, State
-from wsgen.simulation.fake import FakeEngine
 
 if TYPE_CHECKING:
     from wsgen.isolation.channel import Endpoint

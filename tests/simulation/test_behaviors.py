@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from simulation.fake_engine import FakeEngine
 from simulation.movers import AT, DRIVE, arm, drive, reach, two_wheeled
 from simulation.robots import GROUND, joint, tree
 from wsgen.isolation.codec import decode, encode
@@ -21,7 +22,6 @@ from wsgen.simulation.controllers import (
     controller_for,
 )
 from wsgen.simulation.engine import Motor, State
-from wsgen.simulation.fake import FakeEngine
 from wsgen.simulation.run_behaviors import run_behaviors
 from wsgen.simulation.scene import BehaviorMeasurement, RobotRun, Scene, SpawnedRobot
 from wsgen.simulation.simulate import run_scene

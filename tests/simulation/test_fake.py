@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
+from simulation.fake_engine import FakeEngine
 from simulation.robots import pendulum
 from wsgen.model.transform import Pose
 from wsgen.simulation.engine import Engine, Loaded, Motor, Overlap, Refused, State
-from wsgen.simulation.fake import FakeEngine
 from wsgen.simulation.scene import SpawnedRobot
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from wsgen.simulation.gazebo_servers import read_model
+from wsgen.simulation.real_gazebo import read_model
 
 # As tutorials/model_command.md of gz-sim shows it, with a line in brackets that no pose is.
 PRINTED = """Requesting state for world [diff_drive]...

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 pytest.importorskip("mujoco")
 
 from wsgen.simulation.mujoco import MujocoEngine
-from wsgen.simulation.mujoco_triangles import cut
+from wsgen.simulation.mujoco_contacts import cut
 
 
 @pytest.mark.parametrize(("mu", "degrees"), [(1.0, 48.0), (1.0, 60.0), (0.3, 25.0), (0.0, 10.0)])

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from simulation.fake_engine import FakeEngine
 from simulation.movers import AT, arm, drive, reach, two_wheeled
 from simulation.robots import GROUND
 from wsgen.isolation.codec import decode, encode
 from wsgen.model.transform import Pose, quaternion_of_rpy
 from wsgen.pipeline.tasks.simulation import simulate
 from wsgen.simulation.engine import State
-from wsgen.simulation.fake import FakeEngine
 from wsgen.simulation.run import run_simulation
 from wsgen.simulation.scene import RobotRun, Scene, SpawnedRobot
 

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from simulation.fake_engine import FakeEngine
 from wsgen.isolation.codec import decode, encode
 from wsgen.model.robot import Inertial, Link, Robot
 from wsgen.model.transform import Pose, quaternion_of_rpy
 from wsgen.model.world import World
 from wsgen.simulation.engine import Overlap, State
-from wsgen.simulation.fake import FakeEngine
 from wsgen.simulation.scene import Overlapping, RobotRun, Scene, SpawnedRobot
 from wsgen.simulation.simulate import CLEARANCE, run_scene
 

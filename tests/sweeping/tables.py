@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from wsgen.model.sweep import Column
-from wsgen.sweeping.table_data import Series, TableData
+from wsgen.sweeping.table import Series, TableData
 
 SLOPE = Column(name="world.slope", kind="number", meaning="rad, of the ground", is_parameter=True)
 MASS = Column(name="arm_mass", kind="number", meaning="kg", is_parameter=True)

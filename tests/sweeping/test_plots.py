@@ -32,7 +32,7 @@ from wsgen.reporting.sweep_plot import check_plot, render_plot, render_sweep_pag
 from wsgen.sweeping.chart import Chart, make_chart
 from wsgen.sweeping.plots import draw_png
 from wsgen.sweeping.summary import Summary, summarize
-from wsgen.sweeping.table_data import TableData
+from wsgen.sweeping.table import TableData
 
 SURFACES = ("ice", "wood, polished", "Grüße $x^2$", "<b>a very</b> long name of a surface indeed")
 

@@ -11,9 +11,9 @@ from wsgen.isolation.result import Limits
 from wsgen.model.sweep import Variant
 from wsgen.sweeping import runner
 from wsgen.sweeping.children import LocalExecutor
+from wsgen.sweeping.robot_subjects import open_subject
 from wsgen.sweeping.runner import Order, run_all
 from wsgen.sweeping.subject import SubjectRequest
-from wsgen.sweeping.subjects import open_subject
 
 if TYPE_CHECKING:
     from pathlib import Path

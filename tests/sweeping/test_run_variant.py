@@ -23,9 +23,9 @@ from wsgen.packages.workspace.layout import workspace_around
 from wsgen.pipeline.requests import ValidateRequest
 from wsgen.pipeline.validate import validate
 from wsgen.simulation.run import ENGINE_DIED, missing_engines
+from wsgen.sweeping.robot_subjects import open_subject
 from wsgen.sweeping.run_variant import can_run, columns, row_of_death, row_without_run, run_variant
 from wsgen.sweeping.subject import SubjectRequest
-from wsgen.sweeping.subjects import open_subject
 
 if TYPE_CHECKING:
     from pathlib import Path

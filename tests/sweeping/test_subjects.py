@@ -24,9 +24,9 @@ from wsgen.packages.workspace.layout import Workspace
 from wsgen.pipeline.create import create
 from wsgen.pipeline.requests import ValidateRequest
 from wsgen.pipeline.validate import validate
+from wsgen.sweeping.robot_subjects import open_subject
 from wsgen.sweeping.run_variant import run_variant
 from wsgen.sweeping.subject import SubjectRequest
-from wsgen.sweeping.subjects import open_subject
 from wsgen.sweeping.words import make_design, read_axes
 
 if TYPE_CHECKING:

@@ -23,8 +23,7 @@ from sweeping.row_writer import COLUMNS, SURFACES, header, open_sweep, row, vari
 from wsgen.errors import NotFoundError, NotReadableError, RequestError, WouldOverwriteError
 from wsgen.model.sweep import Column, Row, Variant
 from wsgen.sweeping import journal, table
-from wsgen.sweeping.table import FORMATS, full_columns, headings, open_table
-from wsgen.sweeping.table_data import read_table
+from wsgen.sweeping.table import FORMATS, full_columns, headings, open_table, read_table
 
 SUFFIXES = [*FORMATS]
 RUNS = 24

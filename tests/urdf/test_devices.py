@@ -14,7 +14,7 @@ from wsgen.isolation.codec import decode, encode
 from wsgen.model.devices import Carried, Devices
 from wsgen.model.transform import Pose, rotation_of_rpy, transpose
 from wsgen.model.world import World
-from wsgen.simulation.live_scene import LiveScene
+from wsgen.simulation.live_runs import LiveScene
 from wsgen.simulation.scene import Scene, SpawnedRobot
 
 QUARTER = math.pi / 2

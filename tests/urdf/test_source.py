@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from wsgen.descriptions.urdf.reader import read_urdf
-from wsgen.descriptions.xacro.source import place_in_source, without_call
+from wsgen.descriptions.xacro.reader import place_in_source, without_call
 from wsgen.diagnostics import Diagnostic, Severity
 
 MAIN = """<?xml version="1.0"?>

@@ -306,7 +306,7 @@ def _print(
     folder, found = Path.cwd(), reported.diagnostics
     if output_format == "text" and not found and not (verbose and reported.allowed):
         return
-    from wsgen.reporting.places import Places
+    from wsgen.reporting.check_formats import Places
 
     places = Places()
     if output_format == "text":

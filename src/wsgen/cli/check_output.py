@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.pipeline.check import CheckOutcome
     from wsgen.pipeline.reported import Reported
-    from wsgen.reporting.places import Place, Places
+    from wsgen.reporting.check_formats import Place, Places
 
 
 WIDEST = 120  # columns of a source line that is shown; of a longer one, the part around the place

@@ -36,7 +36,7 @@ def command(
         echo(render_rules(rules), nl=False)
         return EXIT_PASSED
     if name is not None:
-        from wsgen.checks.fixes.registry import FIXERS
+        from wsgen.checks.fixes.plan import FIXERS
 
         text = to_markdown(rules[0], has_fix=rules[0].name in FIXERS)
         lines = draw_markdown(text, quiet=quiet)

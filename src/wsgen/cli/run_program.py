@@ -102,8 +102,7 @@ def _join_run(
     variables: dict[str, str], environment: Mapping[str, str], ros: RosEnvironment
 ) -> None:
     """Set what a program needs to find the live run beside it, if there is one."""
-    from wsgen.simulation.live_runs import distro_of_run, find_live_folder
-    from wsgen.simulation.live_scene import FOLDER_VARIABLE
+    from wsgen.simulation.live_runs import FOLDER_VARIABLE, distro_of_run, find_live_folder
 
     live_folder = find_live_folder(variables)
     if live_folder is not None:

@@ -377,8 +377,7 @@ def _print_github(outcome: Outcome, *, verbose: bool) -> None:
     """Print the annotations of GitHub for what is reported, each once."""
     from pathlib import Path
 
-    from wsgen.reporting.check_formats import render_github
-    from wsgen.reporting.places import Places
+    from wsgen.reporting.check_formats import Places, render_github
 
     found = dict.fromkeys(one for package in outcome.packages for one in package.diagnostics)
     for line in render_github(found, Places(), Path.cwd(), verbose=verbose):

@@ -52,12 +52,15 @@ from wsgen.pipeline.prepare import KnownRobots
 from wsgen.pipeline.run_robots import spawned_robots
 from wsgen.pipeline.validate import selected_package, with_failures_before
 from wsgen.ros.environment import paths_with_all_messages, variables_of_nodes
-from wsgen.simulation.live_runs import DOMAIN, distro_of_run, find_live_folder, launched_in
-from wsgen.simulation.live_scene import (
+from wsgen.simulation.live_runs import (
+    DOMAIN,
     SCENE_FILE,
     LiveScene,
     NewEntity,
     PreparedEntity,
+    distro_of_run,
+    find_live_folder,
+    launched_in,
     preparer_path,
     short_name,
 )

@@ -22,8 +22,7 @@ from wsgen.live.journal import OTHER, SIMULATOR, SPAWNER, STANDARD
 from wsgen.live.replacements import SPAWNERS, BuiltIn, LeftOut, find_replacement
 from wsgen.ros.environment.environment import DISCOVERY_VARIABLES
 from wsgen.ros.environment.processes import module_command
-from wsgen.simulation.live_runs import DOMAIN
-from wsgen.simulation.live_scene import FOLDER_VARIABLE
+from wsgen.simulation.live_runs import DOMAIN, FOLDER_VARIABLE
 from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:

@@ -18,8 +18,14 @@ from wsgen.live.prepare import BrokenRunError, environment_of_launch, prepared_r
 from wsgen.live.recording import Recorded, recording_topics
 from wsgen.live.service_child import start_service
 from wsgen.pipeline.clock import DRAW, Clock
-from wsgen.simulation.live_runs import DOMAIN, ENDED_FILE, STARTING_FILE
-from wsgen.simulation.live_scene import SCENE_FILE, UNHEARD_FILE, LiveScene
+from wsgen.simulation.live_runs import (
+    DOMAIN,
+    ENDED_FILE,
+    SCENE_FILE,
+    STARTING_FILE,
+    UNHEARD_FILE,
+    LiveScene,
+)
 from wsgen.simulation.pose_log import NO_ROBOT, POSE_LOG_FILE
 from wsgen.simulation.run import no_video
 from wsgen.simulation.scene import NotDrawn, Video

@@ -18,8 +18,7 @@ from wsgen.isolation.guard import adopt_orphans, kill_children
 from wsgen.isolation.system import open_parent_death_pipe
 from wsgen.live.request import GO, INTERRUPT, NODES, NODES_FILE, TERMINATE
 from wsgen.live.resources import remove_left_behind
-from wsgen.simulation.live_runs import REQUEST_FILE
-from wsgen.simulation.live_scene import FOLDER_VARIABLE
+from wsgen.simulation.live_runs import FOLDER_VARIABLE, REQUEST_FILE
 from wsgen.text.files import write_file
 
 if TYPE_CHECKING:

@@ -37,7 +37,7 @@ from wsgen.live.service_child import start_service
 from wsgen.model.transform import Pose, rotation_of_quaternion, rpy_of_rotation
 from wsgen.ros.environment import open_ros
 from wsgen.ros.environment.environment import DISCOVERY_VARIABLES
-from wsgen.simulation.live_scene import short_name, socket_path
+from wsgen.simulation.live_runs import short_name, socket_path
 from wsgen.simulation.run import check_engines
 from wsgen.text.values import dataclass
 

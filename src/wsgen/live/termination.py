@@ -22,7 +22,7 @@ from wsgen.live.journal import OTHER, FailedProgram, Failures
 from wsgen.live.plan_checks import what_is_started
 from wsgen.live.process import ENDING
 from wsgen.live.python_failures import explain_module, explain_numpy, find_source
-from wsgen.simulation.live_scene import short_name, socket_path
+from wsgen.simulation.live_runs import short_name, socket_path
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -22,7 +22,7 @@ from wsgen.checks.rules.robots import OVERSIZED_PART
 from wsgen.descriptions.sdf.includes import DATABASE_MODELS, MODEL_LEFT_OUT
 from wsgen.descriptions.sdf.lookup import find_world, model_finder
 from wsgen.descriptions.sdf.source import SIZE_LIMIT, load, read_document
-from wsgen.descriptions.xacro.source import written_elements
+from wsgen.descriptions.xacro.reader import written_elements
 from wsgen.gazebo.plugins import carried_by
 from wsgen.launching.commands import started_programs
 from wsgen.launching.descriptions import Description, published_descriptions, read_published

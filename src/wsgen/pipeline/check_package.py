@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.checks.rules import launch_files
 from wsgen.checks.rules.consequences import without_explained
 from wsgen.checks.rules.manifests import target_of
-from wsgen.descriptions.xacro.source import without_call
+from wsgen.descriptions.xacro.reader import without_call
 from wsgen.diagnostics import has_errors
 from wsgen.isolation.parent import make_part
 from wsgen.packages.workspace.layout import LAUNCH_FILES, find_launch_files

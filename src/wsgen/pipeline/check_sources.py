@@ -27,7 +27,7 @@ from wsgen.checks.rules.package_uses import (
 from wsgen.checks.rules.python_nodes import check_node, idle_program, unspun_node
 from wsgen.checks.rules.ros2_control import ControlFacts, control_plugins, control_without_plugin
 from wsgen.checks.rules.simulators import misplaced_spawners
-from wsgen.descriptions.xacro.source import place_in_source
+from wsgen.descriptions.xacro.reader import place_in_source
 from wsgen.diagnostics import Severity
 from wsgen.launching.commands import has_gaps, started_programs
 from wsgen.launching.known_packages import find_in_package

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.descriptions.meshes.inspection import read_surfaces
 from wsgen.descriptions.meshes.lookup import find_meshes
-from wsgen.descriptions.xacro.source import written_elements
+from wsgen.descriptions.xacro.reader import written_elements
 from wsgen.diagnostics import has_errors
 from wsgen.errors import RequestError
 from wsgen.isolation import parent

@@ -49,7 +49,7 @@ from wsgen.descriptions.urdf.lumping import (
 )
 from wsgen.descriptions.urdf.reader import IGNORED_XACRO, MISSPELLED, read_urdf
 from wsgen.descriptions.urdf.unknown_elements import meant_element
-from wsgen.descriptions.xacro.source import place_in_source, written_elements
+from wsgen.descriptions.xacro.reader import place_in_source, written_elements
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.engines import name_engines
 from wsgen.model.robot import Mesh, Robot

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from wsgen.simulation.real_gazebo import GazeboRun, Installed
 
 
-TASK = "wsgen.simulation.gazebo_servers:simulate"
+TASK = "wsgen.simulation.real_gazebo:simulate"
 MEMORY = 32 * 2**30  # bytes of address space: its threads reserve much that they do not use
 FALLING = 1.0  # m/s, downwards
 DIGITS = 1e-6  # kg, of the mass of a link that Gazebo Sim prints

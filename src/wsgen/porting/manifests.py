@@ -6,8 +6,7 @@ import re
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.fixes.manifests import add_export, declare, text_of, top_of
-from wsgen.checks.fixes.source import Edit
-from wsgen.checks.fixes.xml_source import children, read_tags
+from wsgen.checks.fixes.source import Edit, children, read_tags
 from wsgen.checks.rules.dependencies import FOR_GAZEBO_SIM
 from wsgen.launching.undeclared import is_brought
 from wsgen.packages.workspace.manifest import RUN_TAGS, holds
@@ -19,8 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
     from pathlib import Path
 
-    from wsgen.checks.fixes.source import SourceText
-    from wsgen.checks.fixes.xml_source import Tag
+    from wsgen.checks.fixes.source import SourceText, Tag
     from wsgen.model.target import Target
 
 

@@ -5,14 +5,12 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from wsgen.checks.fixes.source import Edit
-from wsgen.checks.fixes.xml_source import read_tags
+from wsgen.checks.fixes.source import Edit, read_tags
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from wsgen.checks.fixes.source import SourceText
-    from wsgen.checks.fixes.xml_source import Tag
+    from wsgen.checks.fixes.source import SourceText, Tag
 
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 # A blank line before what is removed, and one or the end of an element behind it.

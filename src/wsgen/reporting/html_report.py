@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen import __version__
-from wsgen.checks.fixes.registry import FIXERS
+from wsgen.checks.fixes.plan import FIXERS
 from wsgen.checks.rules.catalogue import find_rule
 from wsgen.diagnostics import Severity
 from wsgen.model.engines import name_engines

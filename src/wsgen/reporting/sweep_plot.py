@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from wsgen.sweeping.chart import Chart
     from wsgen.sweeping.summary import Summary
-    from wsgen.sweeping.table_data import TableData
+    from wsgen.sweeping.table import TableData
 
 
 # The symbols of the groups as the script draws them, in a square from -6 to 6.

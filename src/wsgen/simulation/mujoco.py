@@ -40,8 +40,7 @@ from wsgen.simulation.mujoco_body import (
     solver,
     surface,
 )
-from wsgen.simulation.mujoco_friction import TwoWayFriction
-from wsgen.simulation.mujoco_triangles import LOOK_EVERY, StaticTriangles
+from wsgen.simulation.mujoco_contacts import LOOK_EVERY, StaticTriangles, TwoWayFriction
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -16,7 +16,7 @@ from wsgen.model.transform import Pose, rotation_of_quaternion, rpy_of_rotation
 from wsgen.simulation.controllers import UPDATE, DiffDriveController, PositionController
 from wsgen.simulation.engine import Motor
 from wsgen.simulation.sampling import Odometer
-from wsgen.simulation.session_state import Moment, Opened, RobotState, Watched
+from wsgen.simulation.session import Moment, Opened, RobotState, Watched
 from wsgen.simulation.simulate import brake, is_finite, spawn_robots, tilt_of, watch_robots
 from wsgen.text.values import dataclass
 

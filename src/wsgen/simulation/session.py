@@ -23,11 +23,12 @@ from wsgen.isolation.channel import Channel
 from wsgen.isolation.codec import decode
 from wsgen.isolation.result import Died
 from wsgen.model.engines import ENGINES
-from wsgen.simulation.engine import Contact
+from wsgen.model.transform import Pose  # noqa: TC001  the type hints of answers are read
+from wsgen.simulation.engine import Contact, Loaded, Refused
 from wsgen.simulation.run import explain_death
-from wsgen.simulation.scene import NotDrawn, Picture, Video
-from wsgen.simulation.session_state import Moment, Opened, Watched
+from wsgen.simulation.scene import NotDrawn, Picture, RobotRun, Video
 from wsgen.text.suggestions import ask_for_nearest
+from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -35,10 +36,9 @@ if TYPE_CHECKING:
 
     from wsgen.model.behavior import DiffDrive
     from wsgen.model.robot import Robot
-    from wsgen.model.transform import Pose, Vector
-    from wsgen.simulation.engine import Loaded, Motor, Refused
-    from wsgen.simulation.scene import RobotRun, Scene
-    from wsgen.simulation.session_state import RobotState
+    from wsgen.model.transform import Vector
+    from wsgen.simulation.engine import Motor
+    from wsgen.simulation.scene import Scene
 
 
 T = TypeVar("T")
@@ -352,3 +352,50 @@ def _vector(force: Vector) -> Vector:
         )
     x, y, z = (_finite(number, "A part of the force", "N") for number in numbers)
     return x, y, z
+
+
+@dataclass(frozen=True, kw_only=True)
+class RobotState:
+    """How a robot is at a moment."""
+
+    entity: str
+    pose_in_world: Pose  # of the root link's frame
+    links: Mapping[str, Pose]  # the frames of the lumped links in the world, by name
+    joint_positions: Mapping[str, float]  # rad or m, of the movable joints
+    joint_velocities: Mapping[str, float]  # rad/s or m/s
+    speed: float  # m/s, of the root link's center of mass
+    turning: float  # rad/s, of the root link
+    tilt: float  # rad, between what was up in the robot when spawned and up
+    is_finite: bool  # no pose or speed is infinite or not-a-number
+
+    @property
+    def joint_speed(self) -> float:
+        """The velocity of the fastest joint, rad/s or m/s, never negative; 0 without any."""
+        return max(map(abs, self.joint_velocities.values()), default=0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Moment:
+    """How the robots are that can move."""
+
+    seconds: float  # simulated, since the beginning
+    states: tuple[RobotState, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Opened:
+    """What the engine made of a scene, and how all robots are, also the static ones."""
+
+    loaded: Mapping[str, Loaded]  # by entity
+    spawn_poses: Mapping[str, Pose]  # of the root links' frames
+    refused: Mapping[str, Refused]
+    step_seconds: float
+    states: tuple[RobotState, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Watched:
+    """What was measured while time passed, and how the robots are then."""
+
+    robot_runs: tuple[RobotRun, ...]
+    moment: Moment

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from wsgen.sweeping.summary import ParameterSummary, Summary
-    from wsgen.sweeping.table_data import Series, TableData
+    from wsgen.sweeping.table import Series, TableData
 
     Numbers = NDArray[np.float64]
 

@@ -1,4 +1,4 @@
-"""Robots that are swept: a file, or a package whose launch file spawns one.
+"""What is swept is opened here: a template, or a robot, as a file or a package that spawns one.
 
 The parameters of a xacro file are its `<xacro:arg>`s, those of a package its launch arguments.
 """
@@ -6,17 +6,21 @@ The parameters of a xacro file are its `<xacro:arg>`s, those of a package its la
 from __future__ import annotations
 
 import re
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from wsgen.descriptions.xacro.reader import read_arguments
-from wsgen.descriptions.xacro.source import written_elements
+from wsgen.descriptions.xacro.reader import read_arguments, written_elements
 from wsgen.diagnostics import Severity, has_errors
-from wsgen.launching.evaluate import evaluate
+from wsgen.errors import RequestError
+from wsgen.isolation.fork_server import ForkServer
+from wsgen.isolation.parent import make_scratch
+from wsgen.launching.evaluate import PlainLaunches, evaluate
+from wsgen.launching.known_packages import prefix
 from wsgen.model.behavior import LaunchTask
 from wsgen.packages.workspace.layout import Workspace, find_launch_files
-from wsgen.packages.workspace.overlay import require_share
+from wsgen.packages.workspace.overlay import open_overlay, require_share
 from wsgen.packages.workspace.settings import read_settings
 from wsgen.pipeline.file_validation import FileValidation
 from wsgen.pipeline.load_scene import select_only
@@ -24,6 +28,7 @@ from wsgen.pipeline.package_validation import Validation, why_nothing_is_simulat
 from wsgen.pipeline.prepare import KnownRobots, PrepareContext
 from wsgen.pipeline.requests import FILE_SUFFIXES, ValidateRequest
 from wsgen.pipeline.started import DESCRIPTION_FROM_ELSEWHERE
+from wsgen.pipeline.validate import check_request, overlays_of_files
 from wsgen.sweeping.parameters import Parameter, write_value
 from wsgen.sweeping.run_variant import Blueprint
 from wsgen.sweeping.subject import KeptAnswers, Prepared, RobotText, Subject, files_below
@@ -322,3 +327,66 @@ def _files_of(validation: Validation, texts: Sequence[RobotText]) -> frozenset[P
             share_of = validation.overlay.share
             files |= {text.file, *(one.file for one in written_elements(text.file, share_of))}
     return frozenset(files)
+
+
+@contextmanager
+def open_subject(
+    request: SubjectRequest,
+    *,
+    environment: Mapping[str, str],
+    listener: Listener | None = None,
+) -> Iterator[Subject]:
+    """Open what is swept. Files of its blueprints are there until the context is left.
+
+    Raises:
+        RequestError: The request names nothing, or more than one; no such package, launch file or
+            template; the launch files that spawn robots are none, or several; or an option is
+            given that has no effect.
+        NotFoundError: The file does not exist, or the package cannot be read.
+        NotReadableError: The file is no regular file, or the setup file of the workspace fails.
+        BrokenTemplateError: The template is invalid.
+    """
+    _check(request)
+    with ExitStack() as stack:
+        folder = stack.enter_context(make_scratch())
+        fork_server = stack.enter_context(ForkServer())
+        run = stack.enter_context(PlainLaunches(fork_server.run)).run
+        if request.template is not None:
+            # A package needs nothing of what renders.
+            from wsgen.sweeping.template_subject import TemplateSubject  # noqa: PLC0415
+
+            yield TemplateSubject(request, environment, folder, run)
+        elif request.file is not None:
+            files = (request.file,)
+            check_request(
+                ValidateRequest(
+                    files=files,
+                    engines=(),
+                    launch_file=request.launch_file,
+                    launch_arguments=request.launch_arguments,
+                )
+            )
+            (overlay,) = overlays_of_files(files, request.workspace, environment, stack)
+            yield FileSubject(request.file, request, overlay, folder, run)
+        else:
+            workspaces = [] if request.workspace is None else [request.workspace]
+            if not workspaces:  # a sourced ROS may have it, and what wsgen knows of ROS
+                environment = {"AMENT_PREFIX_PATH": prefix(), **environment}
+            overlay = stack.enter_context(open_overlay(workspaces, environment))
+            yield PackageSubject(request, overlay, folder, run, listener)
+
+
+def _check(request: SubjectRequest) -> None:
+    given = [one for one in (request.package, request.file, request.template) if one is not None]
+    if len(given) != 1:
+        raise RequestError(
+            "A sweep is of one package, one file or one template; "
+            f"{len(given) or 'none'} {'are' if len(given) > 1 else 'is'} given.",
+            hint="Write for example: wsgen sweep my_robot --over world.slope=0:30deg:31",
+        )
+    if request.template is None and (request.settings or request.target):
+        what = "--set" if request.settings else "--distro and --sim"
+        raise RequestError(
+            f"{what} {'has' if request.settings else 'have'} no effect without a template.",
+            hint=f"Remove {what}, or sweep a template: -t NAME",
+        )

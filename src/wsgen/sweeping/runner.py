@@ -18,6 +18,7 @@ from wsgen.isolation.result import Limits
 from wsgen.model.robot import Mesh
 from wsgen.model.sweep import Row
 from wsgen.sweeping.children import ChildDiedError, Shared, share
+from wsgen.sweeping.robot_subjects import open_subject
 from wsgen.sweeping.run_variant import (
     can_run,
     row_of_death,
@@ -26,7 +27,6 @@ from wsgen.sweeping.run_variant import (
     run_variant,
     run_variants,
 )
-from wsgen.sweeping.subjects import open_subject
 from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:

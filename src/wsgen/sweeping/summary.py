@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from wsgen.model.sweep import Column
     from wsgen.sweeping.borders import Border
-    from wsgen.sweeping.table_data import Series, TableData
+    from wsgen.sweeping.table import Series, TableData
 
 
 FEW_VALUES = 2  # of a parameter that is a number, of which shares are shown as of a text

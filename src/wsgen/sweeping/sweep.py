@@ -18,12 +18,11 @@ from wsgen.simulation.run import check_engines
 from wsgen.sweeping.design import Variants
 from wsgen.sweeping.journal import Header
 from wsgen.sweeping.parameters import OWN, PUSH_FORCE, PUSH_SECONDS, subject_values
+from wsgen.sweeping.robot_subjects import open_subject
 from wsgen.sweeping.run_variant import PUSHED_AFTER, can_be_pushed, can_run, columns
 from wsgen.sweeping.runner import WORTH, Order, limits_of, run_all, run_apart
-from wsgen.sweeping.subjects import open_subject
 from wsgen.sweeping.summary import summarize
-from wsgen.sweeping.table import check_format, open_table
-from wsgen.sweeping.table_data import read_table
+from wsgen.sweeping.table import check_format, open_table, read_table
 from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
@@ -37,8 +36,7 @@ if TYPE_CHECKING:
     from wsgen.sweeping.runner import RunExecutor
     from wsgen.sweeping.subject import Subject, SubjectRequest
     from wsgen.sweeping.summary import Summary
-    from wsgen.sweeping.table import TableWriter
-    from wsgen.sweeping.table_data import TableData
+    from wsgen.sweeping.table import TableData, TableWriter
     from wsgen.sweeping.worst import Choice, WorstVariant
 
 

@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wsgen.checks.fixes.source import Edit
+from wsgen.checks.fixes.source import Edit, children, read_tags
 from wsgen.checks.fixes.source import apply as apply_edits
-from wsgen.checks.fixes.xml_source import children, read_tags
 from wsgen.checks.rules.catalogue import without_allowed
 from wsgen.diagnostics import Severity
 from wsgen.errors import RequestError, WouldOverwriteError
@@ -46,14 +45,14 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from wsgen.checks.fixes.xml_source import Span, Tag
+    from wsgen.checks.fixes.source import Span, Tag
     from wsgen.diagnostics import Diagnostic
     from wsgen.events import Listener
     from wsgen.model.sweep import Column, Value, Variant
     from wsgen.sweeping.design import Variants
     from wsgen.sweeping.subject import Subject
     from wsgen.sweeping.sweep import SweepRequest
-    from wsgen.sweeping.table_data import Series, TableData
+    from wsgen.sweeping.table import Series, TableData
 
 
 RECORD = "variant.json"  # in each folder: which run of which sweep it is

@@ -14,9 +14,17 @@ if TYPE_CHECKING:
     from wsgen.model.transform import Pose
     from wsgen.model.world import World
     from wsgen.simulation.engine import Contact
-    from wsgen.testing.assertions import assert_drives, assert_reaches, assert_stands
     from wsgen.testing.live import Live, LiveRobot, Message
-    from wsgen.testing.robot import Joint, Limits, Link, Moved, Robot
+    from wsgen.testing.robot import (
+        Joint,
+        Limits,
+        Link,
+        Moved,
+        Robot,
+        assert_drives,
+        assert_reaches,
+        assert_stands,
+    )
     from wsgen.testing.simulation import Simulation
 
     needs_ros: pytest.MarkDecorator
@@ -50,9 +58,9 @@ _MODULES = {
     "LiveRobot": "wsgen.testing.live",
     "Message": "wsgen.testing.live",
     "Simulation": "wsgen.testing.simulation",
-    "assert_drives": "wsgen.testing.assertions",
-    "assert_reaches": "wsgen.testing.assertions",
-    "assert_stands": "wsgen.testing.assertions",
+    "assert_drives": "wsgen.testing.robot",
+    "assert_reaches": "wsgen.testing.robot",
+    "assert_stands": "wsgen.testing.robot",
 }
 
 

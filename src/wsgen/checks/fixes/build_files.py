@@ -6,8 +6,7 @@ import re
 from typing import TYPE_CHECKING
 
 from wsgen.checks.fixes.cmake_source import command_at, read_commands
-from wsgen.checks.fixes.meant import is_surely
-from wsgen.checks.fixes.source import Edit
+from wsgen.checks.fixes.source import Edit, is_surely
 from wsgen.packages.build_files.cmake_checks import MISNAMED_LANGUAGES
 from wsgen.text.suggestions import suggested
 

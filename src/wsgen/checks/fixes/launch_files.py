@@ -8,16 +8,13 @@ import re
 import warnings
 from typing import TYPE_CHECKING, TypeVar
 
-from wsgen.checks.fixes.meant import is_surely
-from wsgen.checks.fixes.source import Edit
-from wsgen.checks.fixes.xml_source import read_tags
+from wsgen.checks.fixes.source import Edit, is_surely, read_tags
 from wsgen.text.suggestions import suggested
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
-    from wsgen.checks.fixes.source import SourceText
-    from wsgen.checks.fixes.xml_source import Tag
+    from wsgen.checks.fixes.source import SourceText, Tag
     from wsgen.diagnostics import Diagnostic
 
     Located = ast.expr | ast.stmt | ast.keyword

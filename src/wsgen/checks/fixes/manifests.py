@@ -5,16 +5,13 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from wsgen.checks.fixes.meant import is_surely
-from wsgen.checks.fixes.source import Edit, join_additions
-from wsgen.checks.fixes.xml_source import read_tags
+from wsgen.checks.fixes.source import Edit, is_surely, join_additions, read_tags
 from wsgen.text.suggestions import suggested
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Sequence
 
-    from wsgen.checks.fixes.source import SourceText
-    from wsgen.checks.fixes.xml_source import Tag
+    from wsgen.checks.fixes.source import SourceText, Tag
     from wsgen.diagnostics import Diagnostic
 
 

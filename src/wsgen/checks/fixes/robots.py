@@ -6,16 +6,13 @@ import math
 import re
 from typing import TYPE_CHECKING
 
-from wsgen.checks.fixes.meant import is_surely
-from wsgen.checks.fixes.source import Edit
-from wsgen.checks.fixes.xml_source import children, find_tag, read_tags
+from wsgen.checks.fixes.source import Edit, children, find_tag, is_surely, read_tags
 from wsgen.text.suggestions import suggested
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from wsgen.checks.fixes.source import SourceText
-    from wsgen.checks.fixes.xml_source import Span, Tag
+    from wsgen.checks.fixes.source import SourceText, Span, Tag
     from wsgen.diagnostics import Diagnostic
 
 

@@ -31,7 +31,7 @@ from wsgen.launching.spawner_options import CREATE, NUMBERS, SPAWN_ENTITY, read_
 from wsgen.live.nodes.signals import ignore_ends, raise_when_ended
 from wsgen.live.nodes.simulator_client import SimulatorClient, SimulatorError
 from wsgen.model.transform import Pose
-from wsgen.simulation.live_scene import NewEntity
+from wsgen.simulation.live_runs import NewEntity
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

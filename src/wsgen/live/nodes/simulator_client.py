@@ -13,7 +13,7 @@ import time
 from bisect import bisect_right
 from typing import TYPE_CHECKING, Any
 
-from wsgen.simulation.live_scene import short_name, socket_path
+from wsgen.simulation.live_runs import short_name, socket_path
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from wsgen.isolation.stale import is_held
+from wsgen.isolation.parent import is_held
 from wsgen.text.suggestions import ask_for_nearest, some_of
 
 if TYPE_CHECKING:

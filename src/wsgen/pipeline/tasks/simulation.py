@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from wsgen.simulation.engine import Engine
     from wsgen.simulation.sampling import Sampler
     from wsgen.simulation.scene import NotDrawn, Picture, RobotRun, Scene, Video
-    from wsgen.simulation.session_state import Opened
+    from wsgen.simulation.session import Opened
     from wsgen.simulation.simulate import Observer
 
 

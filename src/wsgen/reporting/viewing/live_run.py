@@ -19,8 +19,8 @@ from wsgen.model.robot import Mesh
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.reporting.viewing.drawing import draw_simulated
 from wsgen.reporting.viewing.play import Reset, SetRunning, SimulationViewer, Speedometer, Step
-from wsgen.reporting.viewing.texts import diagnostics_list, links_table, plain, summary
-from wsgen.simulation.live_scene import SCENE_FILE, LiveScene
+from wsgen.reporting.viewing.view import diagnostics_list, links_table, plain, summary
+from wsgen.simulation.live_runs import SCENE_FILE, LiveScene
 from wsgen.simulation.scene import SpawnedRobot
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from wsgen.errors import RequestError, SessionDiedError
 from wsgen.reporting.viewing.drawing import draw_one, draw_simulated
-from wsgen.reporting.viewing.texts import diagnostics_list, links_table, plain, summary
+from wsgen.reporting.viewing.view import diagnostics_list, links_table, plain, summary
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -28,7 +28,7 @@ from wsgen.live.nodes.simulator.simulation import LiveSimulation, RefusedError
 from wsgen.live.nodes.simulator.timing import Pace
 from wsgen.live.nodes.simulator.topics import BadNameError
 from wsgen.model.engines import ENGINES
-from wsgen.simulation.live_scene import (
+from wsgen.simulation.live_runs import (
     FOLDER_VARIABLE,
     SCENE_FILE,
     UNHEARD_FILE,
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
     from wsgen.model.world import World
     from wsgen.simulation.engine import Engine
-    from wsgen.simulation.live_scene import NewEntity
+    from wsgen.simulation.live_runs import NewEntity
 
 
 SECONDS = 120.0  # wall-clock, for large meshes on a busy machine

@@ -20,7 +20,7 @@ from wsgen.live.nodes.simulator.services import SERVICE, GzServices
 from wsgen.live.nodes.simulator.simulation import RefusedError
 from wsgen.live.nodes.simulator.timing import TINY
 from wsgen.live.nodes.simulator.topics import BadNameError, Rule, problem_of
-from wsgen.simulation.live_scene import NewEntity, PreparedEntity, short_name, socket_path
+from wsgen.simulation.live_runs import NewEntity, PreparedEntity, short_name, socket_path
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -16,7 +16,7 @@ from wsgen.live.nodes.simulator.host import Due, Plugin
 from wsgen.live.nodes.simulator.messages import NOT_FINITE, move, pose_of
 from wsgen.live.nodes.simulator.simulation import RefusedError
 from wsgen.live.nodes.simulator.topics import message_class
-from wsgen.simulation.live_scene import NewEntity
+from wsgen.simulation.live_runs import NewEntity
 
 if TYPE_CHECKING:
     from collections.abc import Callable

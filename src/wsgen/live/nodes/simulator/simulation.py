@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from wsgen.model.devices import MountedSensor
     from wsgen.model.transform import Pose
     from wsgen.simulation.engine import Engine
-    from wsgen.simulation.live_scene import LiveScene, NewEntity, PreparedEntity
+    from wsgen.simulation.live_runs import LiveScene, NewEntity, PreparedEntity
 
 BRIDGES_AFTER = 5.0  # s, simulated, after a robot came, until what nobody has is named
 LOOK_EVERY = 0.1  # s, simulated, between two looks at whether a robot has exploded

@@ -41,7 +41,7 @@ from wsgen.model.transform import (
     rotation_of_rpy,
     transpose,
 )
-from wsgen.simulation.live_scene import NewEntity
+from wsgen.simulation.live_runs import NewEntity
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -30,7 +30,7 @@ class FakeEngine:
     a function from where they begin and end to fractions.
     """
 
-    def __init__(  # noqa: PLR0913  what a script can say
+    def __init__(
         self,
         motion: Callable[[float], State],
         *,
