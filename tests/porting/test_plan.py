@@ -117,3 +117,21 @@ def test_files_that_git_does_not_have_are_not_changed(
     assert (package / "package.xml").read_text(encoding="utf-8") == before
     assert run(["port", str(package), "--to", "jazzy", "--force"]) == 0
     assert "ros_gz_sim" in (package / "package.xml").read_text(encoding="utf-8")
+
+
+@pytest.mark.slow
+def test_a_robot_that_nothing_simulates_stays_as_it_is(tmp_path: Path) -> None:
+    """Gazebo need not find its meshes."""
+    package = make(tmp_path, "simple-humble-classic")
+    shutil.rmtree(package / "launch")
+    manifest = package / "package.xml"
+    text = re.sub(r" *<\w+>gazebo_ros\w*</\w+>\n", "", manifest.read_text(encoding="utf-8"))
+    manifest.write_text(text, encoding="utf-8")
+    (package / "model" / "robot.xacro").write_text(
+        '<robot name="r"><link name="l"><visual><geometry>'
+        '<mesh filename="package://gazebo_test/meshes/a.stl"/>'
+        "</geometry></visual></link></robot>\n"
+    )
+    for world in package.rglob("*.world"):
+        world.unlink()
+    assert [one.file.name for one in plan(package).files if one.file == manifest] == []

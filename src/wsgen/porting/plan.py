@@ -116,8 +116,9 @@ def plan_port(targets: Targets, target: Target, environment: Mapping[str, str]) 
             _port_launch_files(port, target, rows, systems, stampers)
             _list_code(port)
         _list_unstarted(stampers, ports)
+        is_simulated = any(port.all().packages for port in ports)
         for port in ports:
-            _port_build(port, target, ports)
+            _port_build(port, target, ports, is_simulated=is_simulated)
     plan = _collect(ports, target, systems)
     return plan._replace(unported=(*map(_left_in_ros_1, of_ros_1), *plan.unported))
 
@@ -256,11 +257,13 @@ def _list_code(port: _Port) -> None:
             port.add(source, FilePort(unported=(unported,)))
 
 
-def _port_build(port: _Port, target: Target, ports: Sequence[_Port]) -> None:
+def _port_build(port: _Port, target: Target, ports: Sequence[_Port], *, is_simulated: bool) -> None:
     made = port.all()
     folders = frozenset(name.partition("/")[0] for name in made.files if "/" in name)
     address = re.compile(rf"(?:package|model)://{re.escape(port.package.name)}/")
-    has_models = any(address.search(source.text) for one in ports for source in one.files(_OF_XML))
+    has_models = is_simulated and any(
+        address.search(source.text) for one in ports for source in one.files(_OF_XML)
+    )
     calls: dict[str, Callable[[SourceText], FilePort]] = {
         "package.xml": lambda source: port_manifest(
             source,
