@@ -455,6 +455,12 @@ def test_robots_of_several_launch_files_are_shown_once() -> None:
     }
 
 
+def _otherwise() -> tuple[Measured, ...]:
+    """A robot with nothing of the name of the cart."""
+    links = frozenset(("body", "wheel"))
+    return (replace(CART, package="a", launch_file="a.launch.py", entity="a", links=links),)
+
+
 def test_robots_of_other_names_are_found() -> None:
     old = (CART, replace(CART, launch_file="arm.launch.py", entity="arm"))
     new = (
@@ -463,6 +469,8 @@ def test_robots_of_other_names_are_found() -> None:
     )
     found = compare(Side(old, {}), Side(new, {}))
     assert all(row.is_same for row in found)
+    renamed = [row.aspect for row in compare(Side(old[:1], {}), Side(_otherwise(), {}))]
+    assert renamed[:3] == ["links", "base", "body"]
     lost = [*compare(Side(old, {}), Side(new[:1], {"sim.launch.py": "It has an error."}))]
     assert lost[0] == Compared("cart", "robot", "sim.launch.py", "It has an error.", False)
 

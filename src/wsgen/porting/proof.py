@@ -294,6 +294,9 @@ def _pairs(
             if number not in found and (group := groups[key(old)]):
                 found[number] = group.pop(0)
         left = [one for group in groups.values() for one in group]
+    rest = [number for number in range(len(before)) if number not in found]
+    if len({before[number].entity for number in rest}) == len({one.entity for one in left}) == 1:
+        found.update(zip(rest, left, strict=False))  # the only one has another name
     for number, old in enumerate(before):
         # Several launch files that start the same are looked at once.
         same = (one for one in after if one.entity == old.entity)

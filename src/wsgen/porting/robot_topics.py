@@ -125,7 +125,8 @@ def _of_classic(robot: PreparedRobot, devices: Devices) -> Iterator[RosTopic]:
         if facts is None or simulator_of(filename) != CLASSIC:
             continue
         for use, topic, name in facts.topic_names(plugin.get, {}):
-            if name is not None:
+            # The transforms of wheels alone are those of robot_state_publisher, too.
+            if name is not None and (use != "tf" or _is_true("publish_odom_tf", plugin, facts)):
                 frame = _frames(use, plugin, facts, robot)
                 yield RosTopic(_in_ros(name, plugin), topic.type, not topic.is_read, frame)
     for sensor in devices.sensors:
@@ -172,11 +173,13 @@ def _in_ros(topic: str, plugin: Element) -> str:
     return whole(topic)
 
 
+def _is_true(name: str, plugin: Element, facts: GazeboPlugin) -> bool:
+    return (plugin.get(name) or str(facts.parameters.get(name))).lower() in TRUE
+
+
 def _frames(use: str, plugin: Element, facts: GazeboPlugin, robot: PreparedRobot) -> str:
     """The frames of an odometry: in its header, and that of what moves; empty where not known."""
-    if use not in {"odometry", "tf"} or (
-        use == "tf" and plugin.get("publish_wheel_tf").lower() in TRUE  # it has more than these
-    ):
+    if use not in {"odometry", "tf"}:
         return ""
     pair = next((pair for pair in _FRAMES if facts.parameters.keys() >= {*pair}), ())
     return " → ".join(
