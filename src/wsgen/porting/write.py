@@ -37,8 +37,8 @@ def refuse_unsaved(folders: Iterable[Path]) -> None:
             raise RequestError(
                 f"{folder} has changes that are not committed ({count} "
                 f"{'file' if count == 1 else 'files'}): they would be mixed with the port.",
-                hint="Commit or stash them first, or use --force. Use --diff to see the port without "
-                "writing.",
+                hint="Commit or stash them first, or use --force. Use --diff to see the port "
+                "without writing.",
             )
 
 
