@@ -135,3 +135,76 @@ def test_a_robot_that_nothing_simulates_stays_as_it_is(tmp_path: Path) -> None:
     for world in package.rglob("*.world"):
         world.unlink()
     assert [one.file.name for one in plan(package).files if one.file == manifest] == []
+
+
+IN_A_WORLD = {
+    "package.xml": """<package format="3">
+  <name>in_world</name>
+  <version>0.0.1</version>
+  <description>A robot in a world.</description>
+  <maintainer email="a@example.com">A</maintainer>
+  <license>MIT</license>
+  <buildtool_depend>ament_cmake</buildtool_depend>
+  <exec_depend>gazebo_ros</exec_depend>
+  <export><build_type>ament_cmake</build_type></export>
+</package>
+""",
+    "CMakeLists.txt": """cmake_minimum_required(VERSION 3.20)
+project(in_world)
+find_package(ament_cmake REQUIRED)
+install(DIRECTORY launch models worlds DESTINATION share/${PROJECT_NAME})
+ament_package()
+""",
+    "launch/world.launch.py": """import os
+
+from ament_index_python.packages import get_package_share_directory
+from launch import LaunchDescription
+from launch.actions import IncludeLaunchDescription
+from launch.launch_description_sources import PythonLaunchDescriptionSource
+
+
+def generate_launch_description():
+    share = get_package_share_directory('in_world')
+    gazebo = get_package_share_directory('gazebo_ros')
+    return LaunchDescription([
+        IncludeLaunchDescription(
+            PythonLaunchDescriptionSource(os.path.join(gazebo, 'launch', 'gazebo.launch.py')),
+            launch_arguments={'world': os.path.join(share, 'worlds', 'w.world')}.items(),
+        ),
+    ])
+""",
+    "worlds/w.world": """<sdf version="1.6">
+  <world name="default">
+    <include><uri>model://bot</uri></include>
+  </world>
+</sdf>
+""",
+    "models/bot/model.sdf": """<sdf version="1.6">
+  <model name="bot">
+    <link name="body">
+      <sensor name="lidar" type="ray">
+        <ray><range><min>0.1</min><max>5</max></range></ray>
+        <plugin name="laser" filename="libgazebo_ros_ray_sensor.so">
+          <ros><remapping>~/out:=scan</remapping></ros>
+          <output_type>sensor_msgs/LaserScan</output_type>
+        </plugin>
+      </sensor>
+    </link>
+  </model>
+</sdf>
+""",
+}
+
+
+@pytest.mark.slow
+def test_the_topics_of_a_robot_in_the_world_are_bridged(tmp_path: Path) -> None:
+    package = tmp_path / "src" / "in_world"
+    for name, text in IN_A_WORLD.items():
+        file = package / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text, encoding="utf-8")
+    list(write_port(plan(package)))
+    launch_file = (package / "launch" / "world.launch.py").read_text(encoding="utf-8")
+    assert "'/scan@sensor_msgs/msg/LaserScan[gz.msgs.LaserScan'" in launch_file
+    world = (package / "worlds" / "w.world").read_text(encoding="utf-8")
+    assert "gz::sim::systems::Sensors" in world

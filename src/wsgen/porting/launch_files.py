@@ -82,10 +82,14 @@ _LOOKUPS = (
 )
 
 
+OF_WORLD = 0  # no line of a call
+
+
 class Context(NamedTuple):
     """What the evaluation of a launch file and its robots gives to its port."""
 
-    # The topics of the robots that each spawner puts into the simulator, by the line of its call.
+    # The topics of the robots that each spawner puts into the simulator, by the line of its call;
+    # those of the models of the world by `OF_WORLD`.
     rows: Mapping[int, Sequence[BridgeRow]]
     package: str  # that it belongs to
     distro: str  # that it is ported to
@@ -445,14 +449,16 @@ class _Port(PythonEdits):
         writer = BridgeWriter(self)
         is_started = False
         with_clock = bool(servers)
+        of_world = self.context.rows.get(OF_WORLD, ())
         for call in spawners:
             lines = range(call.lineno, (call.end_lineno or call.lineno) + 1)
             rows = [row for line in lines for row in self.context.rows.get(line, ())]
             if rows or with_clock:
+                rows = [*(of_world if with_clock else ()), *rows]
                 is_started |= writer.start([call, *servers], rows, with_clock=with_clock)
                 with_clock = False
         if with_clock:
-            is_started |= writer.start(servers, (), with_clock=True)
+            is_started |= writer.start(servers, of_world, with_clock=True)
         if is_started:
             self.packages.add(BRIDGE_PACKAGE)
 

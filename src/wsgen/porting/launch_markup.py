@@ -22,6 +22,7 @@ from wsgen.porting.launch_files import (
     FILES,
     LAUNCH_FILE,
     NAMES,
+    OF_WORLD,
     OLD_PACKAGE,
     OLD_SPAWNER,
     ON,
@@ -218,13 +219,15 @@ class _Markup:
     ) -> Iterator[tuple[int, _Bridge]]:
         """Behind which elements bridges go: spawners with their lines, else a server."""
         with_clock = bool(servers)
+        of_world = self.context.rows.get(OF_WORLD, ())
         for index, lines in spawners:
             rows = [row for line in lines for row in self.context.rows.get(line, ())]
             if rows or with_clock:
+                rows = [*(of_world if with_clock else ()), *rows]
                 yield index, self.bridge(rows, with_clock=with_clock)
                 with_clock = False
         if with_clock:
-            yield servers[0], self.bridge((), with_clock=True)
+            yield servers[0], self.bridge(of_world, with_clock=True)
 
 
 class _Bridge(NamedTuple):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.fixes.plan import FileFix, is_whole
@@ -19,7 +20,7 @@ from wsgen.pipeline.check_package import PackageCheck
 from wsgen.pipeline.installed_as_built import lay_out
 from wsgen.pipeline.parallel import start_children
 from wsgen.porting.build_files import port_cmake, port_hook, port_setup
-from wsgen.porting.launch_files import Context, port_launch_file
+from wsgen.porting.launch_files import OF_WORLD, Context, port_launch_file
 from wsgen.porting.launch_markup import port_markup
 from wsgen.porting.manifests import port_manifest
 from wsgen.porting.models import bridge_rows, port_model
@@ -30,7 +31,6 @@ from wsgen.text.files import list_files, real_path, remembering
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-    from pathlib import Path
 
     from wsgen.checks.fixes.source import SourceText
     from wsgen.model.target import Target
@@ -46,6 +46,7 @@ _OF_XML = (".urdf", ".xacro", ".gazebo", ".sdf", ".world", ".xml", ".trans", ".u
 _ROBOT, _SDF, _WORLD, _LAUNCH = (
     re.compile(rf"<{name}\b") for name in ("robot", "sdf", "world", "launch")
 )
+_OF_MODEL = re.compile(r"<uri>\s*model://([^/<\s]+)/?\s*</uri>")
 _MODEL = "model.config"  # in the folder of a model
 _OF_YAML = (".yaml", ".yml")
 _HOOKS = (".sh", ".sh.in", ".dsv", ".dsv.in")
@@ -137,6 +138,12 @@ def _rows(
 ) -> dict[str, dict[int, list[BridgeRow]]]:
     """The topics of the robots that spawners put into the simulator, by real path and line."""
     found: dict[str, dict[int, list[BridgeRow]]] = defaultdict(lambda: defaultdict(list))
+    models = {
+        file.parent.name: file
+        for package in targets.packages
+        for file in list_files(package.path, (".sdf",), markers=BUILD_MARKERS)
+        if file.name == "model.sdf"
+    }
     with make_scratch(in_memory=True) as scratch, start_children() as run:
         installed = lay_out(targets, scratch, environment)
         for package in targets.packages:
@@ -144,6 +151,12 @@ def _rows(
                 continue
             check = PackageCheck(package, installed, None, None, run, scratch)
             for one in check.evaluate():
+                simulator = one.started.simulator
+                if simulator is not None and simulator.world:
+                    rows = list(_rows_of_world(Path(simulator.world), models, target))
+                    for file in one.started.plan.evaluated_files:
+                        here = found[real_path(file)][OF_WORLD]
+                        here += [row for row in rows if row not in here]
                 for spawn in one.started.spawns:
                     process = spawn.process
                     if process is None or process.file is None or process.line is None:
@@ -152,6 +165,18 @@ def _rows(
                     rows = bridge_rows(spawn.description, target)
                     here += [row for row in rows if row not in here]
     return found
+
+
+def _rows_of_world(file: Path, models: Mapping[str, Path], target: Target) -> Iterator[BridgeRow]:
+    """The topics of the models in a world or model, and of those of the workspace in it."""
+    source = read_source(file)
+    if source is None:
+        return
+    yield from bridge_rows(source.text, target)
+    for name in dict.fromkeys(_OF_MODEL.findall(source.text)):
+        if name in models:
+            others = {known: path for known, path in models.items() if known != name}
+            yield from _rows_of_world(models[name], others, target)
 
 
 def _is_markup(file: Path) -> bool:
