@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from classic import (
+    description_cases,
     test_cameras,
     test_classic_robots,
     test_descriptions,
@@ -56,7 +57,7 @@ def measured() -> str:
         for case, (engines, why) in test_rest_poses.DIFFERENT.items()
     }
     determined = {name for name, one in read("rest_poses.json").items() if "up" in one}
-    cases = len(test_descriptions.CASES)
+    cases = len(description_cases.CASES)
     others = test_descriptions.REFUSED | test_descriptions.OTHERWISE
     alike = cases - len(others)
     lines = [
