@@ -14,7 +14,7 @@ PIP := $(VENV)/bin/python -m pip --disable-pip-version-check --quiet
 
 help:
 	@echo "make demo       write, build and validate the tutorial's robot in demo/"
-	@echo "make quick      run the tests that take a moment: a minute and a half"
+	@echo "make quick      run the tests that take a moment: less than a minute"
 	@echo "make test       run all tests"
 	@echo "make check      run the linters and the type checker"
 	@echo "make benchmark  measure against doing it by hand"
