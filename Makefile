@@ -14,7 +14,7 @@ PIP := $(VENV)/bin/python -m pip --disable-pip-version-check --quiet
 
 help:
 	@echo "make demo       write, build and validate the tutorial's robot in demo/"
-	@echo "make quick      run the tests that take a moment: a minute and a half"
+	@echo "make quick      run the tests that take a moment: less than a minute"
 	@echo "make test       run all tests"
 	@echo "make check      run the linters and the type checker"
 	@echo "make benchmark  measure against doing it by hand"
@@ -31,14 +31,14 @@ demo: $(VENV)/.installed
 quick: $(VENV)/.installed-for-tests
 	$(VENV)/bin/python -m pytest -q -m 'not slow' -n auto --dist loadfile $(PYTEST_ARGUMENTS)
 
-# Two processes more than cores: a test waits for half of its time, for the network, for limits of
-# time and for what it starts. The type checker needs one core for a minute and runs beside them;
+# Twice as many processes as cores: a test waits for half of its time, for the network, for limits
+# of time and for what it starts. The type checker needs one core for a minute and runs beside them;
 # what it says comes at the end.
 # A test that fails runs once more, as in ROS 2's own CI (`--retest-until-pass`): hundreds start
 # processes that find each other by DDS. Why it failed first stands at the end of the output.
 test: lint
 	@$(VENV)/bin/mypy >$(VENV)/mypy.txt 2>&1 & mypy=$$!; \
-	$(VENV)/bin/python -m pytest -n $$(($$(nproc 2>/dev/null || echo 1) + 2)) \
+	$(VENV)/bin/python -m pytest -n $$((2 * $$(nproc 2>/dev/null || echo 1))) \
 	  --dist loadfile --no-loadscope-reorder --reruns 1 --rerun-except 'has grown to' $(PYTEST_ARGUMENTS); tests=$$?; \
 	wait $$mypy; types=$$?; cat $(VENV)/mypy.txt; exit $$((tests || types))
 

@@ -51,7 +51,7 @@ class Diagnostic:
 
 
 class Measured(NamedTuple):
-    """What simulators do with a robot that has the mistake of a rule alone: each a predicate."""
+    """What simulators do with a robot or world with the mistake of a rule alone: predicates."""
 
     classic: str  # Gazebo Classic 11
     sim: str  # the parser of Gazebo Sim, sdformat 12

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from classic import (
+    description_cases,
     test_cameras,
     test_classic_robots,
     test_descriptions,
@@ -56,12 +57,13 @@ def measured() -> str:
         for case, (engines, why) in test_rest_poses.DIFFERENT.items()
     }
     determined = {name for name, one in read("rest_poses.json").items() if "up" in one}
-    cases = len(test_descriptions.CASES)
-    alike = cases - len(test_descriptions.REFUSED)
+    cases = len(description_cases.CASES)
+    others = test_descriptions.REFUSED | test_descriptions.OTHERWISE
+    alike = cases - len(others)
     lines = [
         "| accepted or refused; links, joints, masses | cases | equal | test |",
         "|---|---|---|---|",
-        f"| small URDFs with one mistake each | {cases} | {alike} | `test_descriptions.py` |",
+        f"| small URDFs and worlds, a mistake each | {cases} | {alike} | `test_descriptions.py` |",
         f"| robots of PyPI | {len(loaded)} | {len(loaded)} | `test_classic_robots.py` |",
         "",
         "| what | cases | PyBullet | MuJoCo | DART | test |",
@@ -104,9 +106,7 @@ def measured() -> str:
         for code, what in test_classic_robots.LOST.items()
     ]
     nothing = [f"- {listed(names)}: {why}." for why, names in test_classic_robots.NOTHING.values()]
-    refused = [
-        f"- `{case}`: {why.partition(': ')[2]}." for case, why in test_descriptions.REFUSED.items()
-    ]
+    refused = [f"- `{case}`: {why.partition(': ')[2]}." for case, why in others.items()]
     page = "\n".join((
         *lines,
         "",
@@ -118,7 +118,7 @@ def measured() -> str:
         "",
         *nothing,
         "",
-        "What is not equal, and why. Small URDFs that are loaded there, and refused here:",
+        "What is not equal, and why. What is loaded there, and refused here but for the last:",
         "",
         *refused,
         "",

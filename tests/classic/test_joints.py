@@ -22,7 +22,7 @@ from classic.worlds import not_followed
 from simulation.conftest import CLASSES
 from simulation.robots import VOID, spawned
 from wsgen.checks.rules.joint_limits import unstable_damping
-from wsgen.checks.rules.settings import KINEMATIC, STOPS
+from wsgen.checks.rules.settings import STOPS
 from wsgen.descriptions.urdf.lumping import lump
 from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.model.engines import ENGINES
@@ -58,7 +58,6 @@ DIFFERENT = {
     ("spring of a body in the air", "dart"): IMPLICIT,
     ("spring, implicit", ""): "Gazebo gives such a joint energy: a defect",
     **of_setting("soft stop", STOPS),
-    **of_setting("kinematic", KINEMATIC),
 }
 CLASSIC = replace(VOID, simulator="classic")
 Positions = dict[str, list[float] | None]
@@ -104,7 +103,7 @@ def model_of(name: str) -> Robot:
     file = Path("r.urdf")
     robot, _ = read_urdf(CASES[name], file=file)
     assert robot is not None
-    return lump(robot, file=file)[0]
+    return lump(robot, file=file, for_classic=True)[0]
 
 
 def simulated(engine_name: str, name: str) -> dict[str, list[float]]:

@@ -128,10 +128,10 @@ def test_models_that_the_launch_file_makes_known(built: Path, tmp_path: Path) ->
 
 
 def test_a_broken_world_is_reported_and_the_package_fails(built: Path, tmp_path: Path) -> None:
-    broken = block("wall", "3 0 1 0 0 0", "-1 4 2")
+    broken = 2 * block("wall", "3 0 1 0 0 0", "1 4 2")
     code, document = validate_in(built, tmp_path, GROUND + broken)
     assert code == 1
-    assert errors(document)[0]["code"] == "ROB028"
+    assert errors(document)[0]["code"] == "WLD015"
     assert errors(document)[0]["file"].endswith("test.world")
 
 

@@ -50,7 +50,7 @@ def of(name: str, key: str, value: object) -> str:
         (of("a", "kp", 1000), ALL),
         (of("a", "minDepth", 0.002), ("bullet", "dart")),
         (of("j", "stopErp", 0.8), ("bullet", "dart")),
-        (of("a", "kinematic", "true"), ALL),
+        (of("b", "kinematic", "true"), ALL),
     ],
 )
 def test_what_matters_is_named_once_where_it_is_written(about: str, lacking: Sequence[str]) -> None:
@@ -69,7 +69,9 @@ def test_what_matters_is_named_once_where_it_is_written(about: str, lacking: Seq
         of("a", "kp", 1e6),
         of("a", "minDepth", 0.001),
         of("j", "stopErp", 0.2),
-        of("a", "kinematic", "false"),
+        of("b", "kinematic", "false"),
+        of("a", "kinematic", "true"),
+        of("a", "kinematic", "true") + of("b", "kinematic", "true"),
         of("a", "dampingFactor", 0.1),
     ],
 )

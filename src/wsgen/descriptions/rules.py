@@ -9,6 +9,7 @@ MALFORMED_XML = Rule(
     name="malformed-xml",
     severity=Severity.ERROR,
     severity_varies="a warning where Gazebo's parser still reads the file",
+    measured=Measured(classic="refuses it", sim="refuses it"),
     summary="A URDF or SDF file is not well-formed XML.",
     why=(
         "Gazebo does not read such a file. A few errors, such as a bare `&` or `--` in a comment, "
@@ -22,6 +23,7 @@ OVERSIZED_FILE = Rule(
     code="ROB002",
     name="oversized-file",
     severity=Severity.ERROR,
+    measured=Measured(classic="refuses it", sim="refuses it"),
     summary="A URDF or SDF file is too large, or declares entities.",
     why=(
         "`wsgen` reads every file within bounded time and memory. The largest public URDF has 4 % "
@@ -53,6 +55,7 @@ UNNAMED_ELEMENT = Rule(
     code="ROB006",
     name="unnamed-element",
     severity=Severity.ERROR,
+    measured=Measured(classic="refuses it", sim="refuses it"),
     summary="A link, joint, material, model or shape has no name.",
     why=(
         "Joints, transforms and plugins refer to parts by name. Gazebo's parser refuses a part "
@@ -66,8 +69,9 @@ SELF_JOINT = Rule(
     code="ROB012",
     name="self-joint",
     severity=Severity.ERROR,
+    measured=Measured(classic="crashes", sim="crashes"),
     summary="A joint connects a link to itself.",
-    why="Gazebo refuses the robot: parent and child must be different links.",
+    why="Gazebo's parser crashes: parent and child must be different links.",
     example=(
         '<joint name="arm_joint" type="fixed">\n'
         '  <parent link="arm"/>\n'
@@ -87,6 +91,7 @@ UNKNOWN_LINK = Rule(
     name="unknown-link",
     severity=Severity.ERROR,
     severity_varies="information from `wsgen check` in a xacro file that no other file includes",
+    measured=Measured(classic="refuses it", sim="refuses it"),
     summary="A joint names a link that does not exist.",
     why=(
         "Gazebo refuses the robot. Usually the name is misspelled, or lacks the prefix of a xacro "
@@ -147,6 +152,7 @@ ZERO_AXIS = Rule(
     code="ROB018",
     name="zero-axis",
     severity=Severity.ERROR,
+    measured=Measured(classic="simulates another robot", sim="refuses it"),
     summary="The axis of a joint has length 0.",
     why="Gazebo refuses the robot: the joint has no direction of motion.",
     example='<axis xyz="0 0 0"/>',
@@ -180,7 +186,7 @@ NO_SHAPE = Rule(
     name="no-shape",
     severity=Severity.ERROR,
     severity_varies="a warning in SDF, where Gazebo ignores the shape",
-    measured=Measured(classic="simulates another robot", sim="accepts it"),
+    measured=Measured(classic="simulates what is left", sim="accepts it"),
     summary="A `<geometry>` does not have a known shape.",
     why=(
         "Gazebo's URDF parser stops reading the link there and silently drops its remaining "
@@ -196,6 +202,7 @@ ZERO_SIZE = Rule(
     severity=Severity.ERROR,
     severity_varies="a warning in Gazebo Classic, which simulates the robot, for a `<visual>` of a "
     "URDF, for the `<size>` of a plane, and for a flat box, which most builds of Gazebo accept",
+    measured=Measured(classic="simulates what is left", sim="accepts it"),
     summary="A size or scale is not greater than 0.",
     what=(
         "Checks lengths, radii and scales of shapes and meshes. A negative scale mirrors a mesh."
@@ -292,6 +299,7 @@ MISSPELLED_ELEMENT = Rule(
     name="misspelled-element",
     severity=Severity.WARNING,
     severity_varies="an error where Gazebo then refuses the robot",
+    measured=Measured(classic="simulates what is left", sim="accepts it"),
     summary="The name of an element is misspelled.",
     why=("Gazebo silently ignores unknown elements: a mass, a shape or a limit is then missing."),
     example=(
@@ -308,11 +316,13 @@ RESERVED_NAME = Rule(
     code="ROB043",
     name="reserved-name",
     severity=Severity.ERROR,
+    severity_varies="a warning in Gazebo Classic, which loads the robot",
+    measured=Measured(classic="simulates it", sim="refuses it"),
     summary="A name is reserved by SDF.",
     why=(
-        "SDF reserves `world` and names that begin and end with two underscores; Gazebo refuses "
-        "robots that use them. A link `world` is allowed as the root of a URDF, which it fixes to "
-        "the world."
+        "SDF reserves `world` and names that begin and end with two underscores; Gazebo Sim "
+        "refuses robots that use them. A link `world` is allowed as the root of a URDF, which it "
+        "fixes to the world."
     ),
     example='<link name="__base__"/>',
     instead='<link name="base_link"/>',
@@ -338,6 +348,7 @@ MISSING_COLLISION_MESH = Rule(
     severity=Severity.ERROR,
     severity_varies="a warning from `wsgen check` where the mesh belongs to a model, which may be "
     "elsewhere; information where the mesh is on the network",
+    measured=Measured(classic="simulates what is left", sim="accepts it"),
     summary="The mesh file of a `<collision>` does not exist.",
     why=(
         "Without its mesh the link does not collide: Gazebo prints an error and continues. A file "
@@ -363,6 +374,7 @@ MISSING_VISUAL_MESH = Rule(
     code="ROB061",
     name="missing-visual-mesh",
     severity=Severity.WARNING,
+    measured=Measured(classic="simulates it", sim="accepts it"),
     summary="The mesh file of a `<visual>` does not exist.",
     why=(
         "The link is invisible: Gazebo prints an error and continues. A file in the source folder "
@@ -402,6 +414,7 @@ MISSPELLED_ATTRIBUTE = Rule(
     name="misspelled-attribute",
     severity=Severity.WARNING,
     severity_varies="an error where Gazebo then refuses the robot",
+    measured=Measured(classic="loads nothing of it", sim="refuses it"),
     summary="The name of an attribute is misspelled.",
     why=("Gazebo silently ignores unknown attributes, and uses the default value instead."),
     example='<origin xzy="0 0 1"/>',

@@ -33,9 +33,11 @@ from wsgen.descriptions.rules import (
     NO_SHAPE,
     NOT_A_NUMBER,
     ONE_NAME_FOR_LINK_AND_JOINT,
+    RESERVED_NAME,
     UNNAMED_ELEMENT,
     ZERO_SIZE,
 )
+from wsgen.descriptions.sdf.bodies import MASSLESS_MODEL_LINK
 from wsgen.descriptions.sdf.includes import DATABASE_MODELS
 from wsgen.descriptions.sdf.lookup import is_folder, model_finder, model_folders, resource_folders
 from wsgen.descriptions.sdf.models import read_model, read_sdf
@@ -45,9 +47,12 @@ from wsgen.descriptions.urdf.lumping import (
     DROPPED_LINK,
     IMPOSSIBLE_SUM,
     LUMPED_END_OF_SDF_JOINT,
+    UNKNOWN_END_OF_SDF_JOINT,
+    hold_kinematic,
     lump,
 )
 from wsgen.descriptions.urdf.reader import IGNORED_XACRO, MISSPELLED, read_urdf
+from wsgen.descriptions.urdf.structure import MIMIC_CYCLE
 from wsgen.descriptions.urdf.unknown_elements import meant_element
 from wsgen.descriptions.xacro.reader import place_in_source, written_elements
 from wsgen.diagnostics import Rule, Severity
@@ -85,18 +90,22 @@ SEVERITIES: Mapping[str, Mapping[str, Severity]] = {
         MIRRORED_MESH.code: Severity.WARNING,
         ZERO_SIZE.code: Severity.WARNING,
         DROPPED_BY_OLD_SDFORMAT.code: Severity.ERROR,
+        MASSLESS_MODEL_LINK.code: Severity.ERROR,
+        MIMIC_CYCLE.code: Severity.WARNING,
+        RESERVED_NAME.code: Severity.WARNING,
     },
 }
-# Of errors in a link, those with which Gazebo drops it or parts of it, and goes on.
+# With these, Gazebo drops a link, a part of one or a joint of SDF, and goes on.
 DROPS_PARTS = MISSPELLED.union(
     rule.code
     for rule in (
         *(DROPPED_LINK, DROPPED_BY_OLD_SDFORMAT, INCOMPLETE_INERTIAL, MISSING_COLLISION_MESH),
-        *(NO_SHAPE, NOT_A_NUMBER, UNNAMED_ELEMENT, UNNAMED_MESH),
+        *(NO_SHAPE, NOT_A_NUMBER, UNKNOWN_END_OF_SDF_JOINT, UNNAMED_ELEMENT, UNNAMED_MESH),
     )
 )
-# What only older versions of sdformat do.
+# What only older versions of sdformat do, and what that of Gazebo Classic does not.
 OLD_SDFORMAT = frozenset((LUMPED_END_OF_SDF_JOINT.code, DROPPED_BY_OLD_SDFORMAT.code))
+NOT_IN_CLASSIC = frozenset((LUMPED_END_OF_SDF_JOINT.code,))
 FORTRESS = frozenset(("humble", "iron"))  # distributions with a Gazebo Sim that may have such
 NAMED = 3  # at most so many robots are named in a line
 
@@ -246,7 +255,7 @@ def can_simulate(lumped: Robot, found: Iterable[Diagnostic], simulator: str | No
         for one in found
         if simulator != "classic"
         or one.code not in DROPS_PARTS
-        or not (one.element or "").startswith("link[")
+        or not (one.element or "").startswith(("link[", "gazebo/joint["))
     )
     return is_known and len(lumped.links) > lumped.fixed_to_world
 
@@ -370,11 +379,12 @@ def for_simulator(
 ) -> Iterator[Diagnostic]:
     """The diagnostics as they hold for a simulator: what it refuses is an error."""
     severities = SEVERITIES.get(simulator or "", {})
-    has_old_sdformat = simulator != "gz" or distro in {None, *FORTRESS}
+    is_new = simulator == "gz" and distro not in {None, *FORTRESS}
+    left_out = OLD_SDFORMAT if is_new else NOT_IN_CLASSIC if simulator == "classic" else ()
     for found in diagnostics:
         if found.code in severities:
             yield replace(found, severity=severities[found.code])
-        elif has_old_sdformat or found.code not in OLD_SDFORMAT:
+        elif found.code not in left_out:
             yield found
 
 
@@ -567,6 +577,8 @@ def prepare_models(
     if len(models) > MOST_MODELS:
         return [], (_too_many(len(models), found),)
     robots, more = _completed(models, context)
+    if context.engines:  # of Gazebo Classic
+        robots = [hold_kinematic(robot) for robot in robots]
     turning = (
         one
         for model, robot in zip(models, robots, strict=True)

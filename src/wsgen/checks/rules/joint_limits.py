@@ -9,7 +9,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from wsgen.descriptions.urdf.gazebo import TRUTHS
-from wsgen.diagnostics import Rule, Severity
+from wsgen.diagnostics import Measured, Rule, Severity
 from wsgen.model.inertia import about_link_axes, matrix_of
 from wsgen.model.kinematics import link_poses
 from wsgen.model.robot import JointType
@@ -148,6 +148,7 @@ NEGATIVE_LIMIT = Rule(
     code="ROB131",
     name="negative-limit",
     severity=Severity.WARNING,
+    measured=Measured(classic="simulates it", sim="accepts it"),
     summary="The `<limit>` of a joint has a negative effort or velocity.",
     what="Looks for movable joints whose `<limit>` says `effort` or `velocity` below 0.",
     why="Both are the maximum in either direction. Gazebo treats a negative value as no limit; "
@@ -280,6 +281,7 @@ MIMICS_FIXED_JOINT = Rule(
     name="mimics-fixed-joint",
     severity=Severity.WARNING,
     severity_varies="information where the joint itself is fixed, which may be on purpose",
+    measured=Measured(classic="simulates it", sim="accepts it"),
     summary="A joint mimics a fixed joint, or is a fixed joint itself.",
     what="Looks at the type of the joint with `<mimic>` and that of the joint that it names.",
     why="A fixed joint has no position: a joint that mimics it never moves, and a `<mimic>` in a "

@@ -401,6 +401,7 @@ SENSOR_WITHOUT_LINK = Rule(
     code="ROB104",
     name="sensor-without-link",
     severity=Severity.WARNING,
+    measured=Measured(classic="simulates it", sim="accepts it"),
     summary="A `<sensor>` is in a `<gazebo>` element without `reference`.",
     why="A sensor belongs to a link. Gazebo silently ignores a sensor without one.",
     example='<gazebo>\n  <sensor name="imu" type="imu"/>\n</gazebo>',

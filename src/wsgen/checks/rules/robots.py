@@ -64,6 +64,7 @@ NUMBER_BEYOND_ENGINES = Rule(
     code="ROB056",
     name="number-beyond-engines",
     severity=Severity.ERROR,
+    measured=Measured(classic="simulates another robot", sim="accepts it"),
     summary="A number is too large for any physics engine.",
     what="Looks for masses, moments of inertia, positions, sizes, damping and friction beyond 1e15 "
     'in SI units. Limits of joints may be larger: descriptions use such values for "no limit".',

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.descriptions.urdf.lumping import that_stay
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.engines import name_engines
 from wsgen.model.world import World
@@ -57,7 +58,8 @@ def _stopped(robot: Robot) -> Iterator[str]:
 
 
 def _kinematic(robot: Robot) -> Iterator[str]:
-    return (link.name for link in robot.links if link.is_kinematic)
+    stay = that_stay(robot)
+    return (link.name for link in robot.links if link.is_kinematic and link.name not in stay)
 
 
 SOFT = Setting(
@@ -88,7 +90,7 @@ KINEMATIC = Setting(
     "`<kinematic>`",
     (),
     "the link stays where it is",
-    "",
+    "on what hangs on a link that moves",
     ("kinematic",),
     _kinematic,
 )

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.descriptions.meshes.requests import InspectedMesh, MeshRequest, UnusableMesh
-from wsgen.diagnostics import Diagnostic, Rule, Severity
+from wsgen.diagnostics import Diagnostic, Measured, Rule, Severity
 from wsgen.isolation import parent
 from wsgen.isolation.codec import decode
 from wsgen.isolation.result import Died, Limits
@@ -28,6 +28,7 @@ BROKEN_COLLISION_MESH = Rule(
     code="ROB062",
     name="broken-collision-mesh",
     severity=Severity.ERROR,
+    measured=Measured(classic="simulates another robot", sim="accepts it"),
     summary="The mesh file of a `<collision>` cannot be used.",
     what=(
         "Reads every mesh file in a separate process: STL, OBJ, COLLADA, glTF, GLB and PLY. A "

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.descriptions.meshes.requests import BuiltShape, UnbuildableShape
-from wsgen.diagnostics import Diagnostic, Rule, Severity
+from wsgen.diagnostics import Diagnostic, Measured, Rule, Severity
 from wsgen.isolation import parent
 from wsgen.isolation.codec import decode
 from wsgen.isolation.result import Died, Limits
@@ -76,6 +76,7 @@ IMPOSSIBLE_SHAPE = Rule(
     name="impossible-shape",
     severity=Severity.ERROR,
     severity_varies="a warning for a `<visual>`",
+    measured=Measured(classic="simulates another model", sim="accepts it"),
     summary="A polyline does not enclose an area, or a shape cannot be converted to a mesh.",
     what=(
         "Converts polylines, ellipsoids and cones to meshes. An outline must have three points or "

@@ -15,7 +15,7 @@ from wsgen.descriptions.sdf.frames import DUPLICATE_SDF_NAME, WORLD, canonical_l
 from wsgen.descriptions.sdf.joints import read_edge, read_joint
 from wsgen.descriptions.sdf.shapes import read_planes
 from wsgen.descriptions.sdf.source import line_of
-from wsgen.diagnostics import Rule, Severity
+from wsgen.diagnostics import Measured, Rule, Severity
 from wsgen.model.robot import GazeboTag, Inertial, Joint, JointType, Link, Plugin, Robot
 from wsgen.model.transform import IDENTITY, Pose, compose, invert
 from wsgen.text.xmltree import child_texts, children
@@ -34,6 +34,7 @@ CLOSED_CHAIN = Rule(
     code="WLD025",
     name="closed-chain",
     severity=Severity.WARNING,
+    measured=Measured(classic="simulates it", sim="accepts it"),
     summary="A joint that closes a kinematic chain is not simulated.",
     why="Like Gazebo Sim, wsgen simulates only trees of links: the linkage stays open. Gazebo "
     "Classic closes it.",
@@ -55,6 +56,7 @@ JOINT_LEFT_OUT = Rule(
     code="WLD024",
     name="joint-left-out",
     severity=Severity.WARNING,
+    measured=Measured(classic="simulates it", sim="accepts it"),
     summary="A joint of an unsupported type is not simulated.",
     what="Looks for joints of the types screw and gearbox.",
     why="Gazebo has these joints, so the simulation differs from Gazebo: a link without another "

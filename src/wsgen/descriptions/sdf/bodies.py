@@ -12,7 +12,7 @@ from wsgen.descriptions.rules import IMPOSSIBLE_INERTIA, NEGATIVE_MASS
 from wsgen.descriptions.sdf.shapes import FRAME_IGNORED, ShapeReader
 from wsgen.descriptions.sdf.source import line_of
 from wsgen.descriptions.sdf.values import first, number, optional_number, read_pose, truth
-from wsgen.diagnostics import Rule, Severity
+from wsgen.diagnostics import Measured, Rule, Severity
 from wsgen.model.inertia import about_link_axes, is_possible, moved, of_solid, principal_moments
 from wsgen.model.robot import (
     Box,
@@ -47,6 +47,7 @@ DEFAULT_INERTIA = Rule(
     name="default-inertia",
     severity=Severity.WARNING,
     severity_varies="information in a model without joints",
+    measured=Measured(classic="simulates it", sim="accepts it"),
     summary="A link of a model that can move has no `<inertial>`.",
     why="Gazebo uses 1 kg and 1 kg m², which fits a body of about 2.4 m. A small link is then much "
     "too heavy and turns much too slowly.",
@@ -77,9 +78,11 @@ MASSLESS_MODEL_LINK = Rule(
     code="WLD041",
     name="massless-model-link",
     severity=Severity.WARNING,
+    severity_varies="an error in Gazebo Classic",
+    measured=Measured(classic="crashes", sim="accepts it"),
     summary="A link of a model that can move has mass 0.",
     why="Physics engines hold such a link in place or cannot move it, and its joints may become "
-    "unstable.",
+    "unstable. The server of Gazebo Classic ends with a world that has such a link.",
     example="<mass>0</mass>",
     instead="<mass>0.2</mass>",
 )

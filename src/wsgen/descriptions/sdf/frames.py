@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal
 from wsgen.descriptions.rules import ONE_NAME_FOR_LINK_AND_JOINT, RESERVED_NAME, UNNAMED_ELEMENT
 from wsgen.descriptions.sdf.source import POSE_FRAMES
 from wsgen.descriptions.sdf.values import word
-from wsgen.diagnostics import Rule, Severity
+from wsgen.diagnostics import Measured, Rule, Severity
 from wsgen.model.transform import IDENTITY, Pose, compose, invert, rotate, rotation_of_rpy
 
 if TYPE_CHECKING:
@@ -28,6 +28,7 @@ DUPLICATE_SDF_NAME = Rule(
     code="WLD015",
     name="duplicate-sdf-name",
     severity=Severity.ERROR,
+    measured=Measured(classic="simulates another model", sim="refuses it"),
     summary="Two elements of a world, model or link have the same name.",
     what="Links, joints, frames and nested models share one namespace; the visuals of a link have "
     "one, and so have its collisions.",
@@ -40,6 +41,7 @@ UNKNOWN_FRAME = Rule(
     code="WLD016",
     name="unknown-frame",
     severity=Severity.ERROR,
+    measured=Measured(classic="simulates another model", sim="refuses it"),
     summary="A pose, frame, axis or model names a frame that does not exist.",
     what="Looks at `relative_to`, `attached_to`, `expressed_in`, `placement_frame` and "
     "`canonical_link`.",
@@ -52,6 +54,7 @@ FRAME_CYCLE = Rule(
     code="WLD017",
     name="frame-cycle",
     severity=Severity.ERROR,
+    measured=Measured(classic="simulates another model", sim="refuses it"),
     summary="A frame is placed relative to itself, directly or through other frames.",
     why="Gazebo refuses the model: it cannot compute these poses.",
     example="""<frame name="a">

@@ -15,7 +15,7 @@ from wsgen.descriptions.rules import (
 from wsgen.descriptions.sdf.frames import MODEL_FRAME, WORLD, frame_called, link_of
 from wsgen.descriptions.sdf.source import MODEL_FRAME_AXES, POSE_FRAMES, line_of
 from wsgen.descriptions.sdf.values import TRUTH, first, number, triple, word
-from wsgen.diagnostics import Rule, Severity
+from wsgen.diagnostics import Measured, Rule, Severity
 from wsgen.model.robot import STOP, Joint, JointLimit, JointType, Mimic
 from wsgen.model.transform import UNIT, multiply, rotate, rotation_of_rpy, transpose
 from wsgen.text.suggestions import did_you_mean, nearest
@@ -31,6 +31,7 @@ MISSING_JOINT_END = Rule(
     code="WLD021",
     name="missing-joint-end",
     severity=Severity.ERROR,
+    measured=Measured(classic="refuses it", sim="refuses it"),
     summary="A joint of an SDF model has no `<parent>` or no `<child>`.",
     why="Gazebo refuses the model: a joint connects two links, or a link and the world.",
     example='<joint name="arm_joint" type="revolute">\n  <child>arm</child>\n</joint>',

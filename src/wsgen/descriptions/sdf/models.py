@@ -29,7 +29,7 @@ from wsgen.descriptions.sdf.includes import (
 from wsgen.descriptions.sdf.source import line_of, load, parse_text, with_version
 from wsgen.descriptions.sdf.values import first, read_pose, truth, word
 from wsgen.descriptions.sdf.worlds import check_ground, describe_world
-from wsgen.diagnostics import Rule, Severity
+from wsgen.diagnostics import Measured, Rule, Severity
 from wsgen.model.robot import Mesh
 from wsgen.model.transform import IDENTITY, Pose, compose
 from wsgen.model.world import PlacedModel
@@ -55,6 +55,7 @@ NO_WORLD = Rule(
     severity=Severity.ERROR,
     severity_varies="information from `wsgen check` for a format of Gazebo 1, and for a single "
     "light",
+    measured=Measured(classic="loads nothing of it", sim="accepts it"),
     summary="An SDF file has neither a `<world>` nor a `<model>`.",
     why="Gazebo refuses the file: it contains nothing to load.",
     example='<sdf version="1.9">\n</sdf>',
@@ -113,6 +114,7 @@ NESTED_STATIC_MODEL = Rule(
     code="WLD048",
     name="nested-static-model",
     severity=Severity.WARNING,
+    measured=Measured(classic="simulates it", sim="accepts it"),
     summary="A static model is nested in a model that can move.",
     why="Gazebo fixes the inner model, and thus the outer one, to the world; in wsgen's simulation "
     "both move.",

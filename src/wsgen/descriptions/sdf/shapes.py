@@ -36,7 +36,7 @@ from wsgen.descriptions.sdf.values import (
     triple,
     word,
 )
-from wsgen.diagnostics import Rule, Severity
+from wsgen.diagnostics import Measured, Rule, Severity
 from wsgen.model.robot import (
     GAZEBO_COLORS,
     Box,
@@ -73,6 +73,7 @@ FRAME_IGNORED = Rule(
     code="WLD020",
     name="frame-ignored",
     severity=Severity.WARNING,
+    measured=Measured(classic="simulates it", sim="accepts it"),
     summary="The pose of a shape or an inertia is not relative to its link.",
     why="`wsgen` reads such a pose as relative to the link, so that the shape or center of mass "
     "is not where it is in Gazebo.",
@@ -98,6 +99,7 @@ GEOMETRY_OUT_OF_RANGE = Rule(
     name="geometry-out-of-range",
     severity=Severity.ERROR,
     severity_varies="a warning for the `<size>` of a plane, which is only visible",
+    measured=Measured(classic="simulates another model", sim="accepts it"),
     summary="A value of a `<geometry>` is outside the range of physics engines.",
     what="Sizes must be at most 1e9 m, the `<sampling>` of a heightmap 1 to 16, and the "
     "`<normal>` of a plane not 0 0 0.",

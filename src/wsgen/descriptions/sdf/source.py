@@ -18,7 +18,7 @@ from wsgen.descriptions.rules import (
     OVERSIZED_FILE,
     UNREADABLE_DESCRIPTION,
 )
-from wsgen.diagnostics import Diagnostic, Rule, Severity
+from wsgen.diagnostics import Diagnostic, Measured, Rule, Severity
 from wsgen.text.files import irregular_kind, read_regular, save_as_utf8, wide_encoding
 from wsgen.text.suggestions import did_you_mean, nearest
 from wsgen.text.xmltree import Malformed, parse, parse_as_tinyxml
@@ -163,6 +163,7 @@ DECLARED_ENTITIES = Rule(
     code="WLD046",
     name="declared-entities",
     severity=Severity.ERROR,
+    measured=Measured(classic="refuses it", sim="refuses it"),
     summary="An SDF file uses XML entities that it declares.",
     why="Gazebo's XML parser knows only the five predefined entities: it fails, or reads the "
     "reference as text where it expects a number.",
@@ -179,6 +180,7 @@ NO_SDF_VERSION = Rule(
     code="WLD011",
     name="no-sdf-version",
     severity=Severity.ERROR,
+    measured=Measured(classic="refuses it", sim="refuses it"),
     summary="`<sdf>` has no version, or one that is not a number.",
     what="Looks for a version of the form `MAJOR.MINOR`, as in 1.9.",
     why="Gazebo refuses the file: the version determines the meaning of the elements, and their "
@@ -191,6 +193,7 @@ UNKNOWN_SDF_VERSION = Rule(
     code="WLD012",
     name="unknown-sdf-version",
     severity=Severity.WARNING,
+    measured=Measured(classic="simulates it", sim="accepts it"),
     summary="The SDF version is older or newer than the versions that wsgen knows.",
     what="`wsgen` knows SDF 1.3 to 1.12. It reads other versions as the nearest of these.",
     why="Gazebo converts the versions that it knows, and refuses or misreads others: Gazebo "

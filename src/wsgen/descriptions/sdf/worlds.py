@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from wsgen.descriptions.sdf.includes import GROUND_PLANE, GROUND_PLANE_FRICTION, is_sun
 from wsgen.descriptions.sdf.source import line_of
 from wsgen.descriptions.sdf.values import first, read_numbers, read_pose, triple, truth, word
-from wsgen.diagnostics import Rule, Severity
+from wsgen.diagnostics import Measured, Rule, Severity
 from wsgen.gazebo.plugins import carries
 from wsgen.gazebo.systems import is_of_gz
 from wsgen.model.transform import rotate, rotation_of_rpy
@@ -45,6 +45,7 @@ IMPOSSIBLE_STEP = Rule(
     name="impossible-step",
     severity=Severity.ERROR,
     severity_varies="a warning for a long or short step, with which Gazebo still runs",
+    measured=Measured(classic="simulates another model", sim="accepts it"),
     summary="The physics step is not positive, longer than 20 ms or shorter than 10 µs.",
     why="With long steps the engine misses contacts and becomes unstable; with short steps each "
     "second takes minutes. With a step of 0 or less, time does not pass; Gazebo Sim reads a step "

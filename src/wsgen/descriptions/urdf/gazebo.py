@@ -172,6 +172,7 @@ MISPLACED_GAZEBO_ELEMENT = Rule(
     code="ROB033",
     name="misplaced-gazebo-element",
     severity=Severity.WARNING,
+    measured=Measured(classic="simulates it", sim="accepts it"),
     summary="A setting is in the wrong kind of `<gazebo>` element and has no effect.",
     why=(
         "Some settings apply to links, some to joints and some to the whole robot. Gazebo "
@@ -185,6 +186,7 @@ GAZEBO_NOT_A_BOOLEAN = Rule(
     code="ROB045",
     name="gazebo-not-a-boolean",
     severity=Severity.ERROR,
+    measured=Measured(classic="refuses it", sim="refuses it"),
     summary="A flag in a `<gazebo>` element is neither true nor false.",
     why="Gazebo copies the element into SDF, where the parser refuses the robot.",
     example='<gazebo reference="arm">\n  <gravity>off</gravity>\n</gazebo>',

@@ -22,7 +22,7 @@ from wsgen.descriptions.rules import (
 )
 from wsgen.descriptions.urdf.unknown_elements import SHAPES, meant_element
 from wsgen.descriptions.urdf.values import line_of, read_number, read_numbers, read_triple
-from wsgen.diagnostics import Rule, Severity
+from wsgen.diagnostics import Measured, Rule, Severity
 from wsgen.model.robot import (
     Box,
     Collision,
@@ -68,6 +68,7 @@ INCOMPLETE_INERTIAL = Rule(
     code="ROB021",
     name="incomplete-inertial",
     severity=Severity.ERROR,
+    measured=Measured(classic="simulates what is left", sim="accepts it"),
     summary="An `<inertial>` has no `<mass>` or no `<inertia>`.",
     why=(
         "`urdfdom` stops reading the link there: its shapes are lost, and Gazebo drops a link "
@@ -86,6 +87,7 @@ UNDEFINED_MATERIAL = Rule(
     code="ROB025",
     name="undefined-material",
     severity=Severity.WARNING,
+    measured=Measured(classic="simulates it", sim="accepts it"),
     summary="A visual uses a material that is not defined.",
     why="Gazebo and RViz draw the link in their default color.",
     example=(
@@ -119,6 +121,7 @@ COLOR_OUT_OF_RANGE = Rule(
     code="ROB027",
     name="color-out-of-range",
     severity=Severity.WARNING,
+    measured=Measured(classic="simulates it", sim="accepts it"),
     summary="A color component is not between 0 and 1.",
     why="Simulators clamp the components: a color in bytes (0 to 255) becomes white.",
     example='<color rgba="255 128 0 1"/>',
@@ -129,6 +132,7 @@ UNNAMED_MESH = Rule(
     code="ROB029",
     name="unnamed-mesh",
     severity=Severity.ERROR,
+    measured=Measured(classic="simulates what is left", sim="accepts it"),
     summary="A mesh has no file name.",
     why="`urdfdom` stops reading the link there and silently drops its remaining elements.",
     example='<mesh scale="0.001 0.001 0.001"/>',
@@ -139,6 +143,7 @@ DUPLICATE_MATERIAL = Rule(
     code="ROB059",
     name="duplicate-material",
     severity=Severity.ERROR,
+    measured=Measured(classic="refuses it", sim="refuses it"),
     summary="A material is defined twice at the top level of the robot.",
     why=(
         "`urdfdom` refuses the robot, even if the colors are equal. Usually a xacro file with "

@@ -31,7 +31,7 @@ from wsgen.model.inertia import (
     is_possible,
     moved,
 )
-from wsgen.model.robot import Inertial, Joint, JointLimit, JointType
+from wsgen.model.robot import Inertial, Joint, JointLimit, JointType, Link
 from wsgen.model.transform import IDENTITY, Pose, compose
 from wsgen.text.values import dataclass
 
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.inertia import Six
-    from wsgen.model.robot import Collision, GazeboTag, Link, Robot, Visual
+    from wsgen.model.robot import Collision, GazeboTag, Robot, Visual
 
 
 NO_MASS = 1e-6  # kg; sdformat before its pull request 1238 took less for 0
@@ -103,6 +103,7 @@ IMPOSSIBLE_SUM = Rule(
     name="impossible-sum",
     severity=Severity.ERROR,
     severity_varies="a warning in Gazebo Classic, which still loads the robot",
+    measured=Measured(classic="simulates it", sim="refuses it"),
     summary="The total inertia of links that are connected by fixed joints is impossible.",
     why=(
         "`sdformat` lumps the links into one body, and Gazebo Sim refuses a robot with a body of "
@@ -121,6 +122,7 @@ GAZEBO_VALUE_WITHOUT_EFFECT = Rule(
     code="ROB046",
     name="gazebo-value-without-effect",
     severity=Severity.WARNING,
+    measured=Measured(classic="simulates it", sim="accepts it"),
     summary="A surface value in a `<gazebo>` element does not apply to a collision.",
     why=(
         "`sdformat` finds the collisions of a link by the names that it generates. A collision "
@@ -149,6 +151,7 @@ UNKNOWN_END_OF_SDF_JOINT = Rule(
     code="ROB078",
     name="unknown-end-of-sdf-joint",
     severity=Severity.ERROR,
+    measured=Measured(classic="simulates what is left", sim="refuses it"),
     summary="An SDF joint in a `<gazebo>` element names a link that does not exist.",
     why=(
         "Gazebo adds the joint to the robot, and then refuses the robot because the link does not "
@@ -176,9 +179,10 @@ LUMPED_END_OF_SDF_JOINT = Rule(
     code="ROB079",
     name="lumped-end-of-sdf-joint",
     severity=Severity.WARNING,
+    measured=Measured(classic="simulates it", sim="refuses it"),
     summary="An SDF joint in a `<gazebo>` element names a link that is lumped into another one.",
     why=(
-        "Gazebo with sdformat before 9.9, 12.7 and 13.1 (Debian 12 and Ubuntu 22.04 have such "
+        "Gazebo Sim with sdformat before 12.7 and 13.1 (Debian 12 and Ubuntu 22.04 have such "
         "versions) does not find the lumped link, and refuses the robot."
     ),
     example=(
@@ -201,6 +205,7 @@ DROPPED_BY_OLD_SDFORMAT = Rule(
     name="dropped-by-old-sdformat",
     severity=Severity.WARNING,
     severity_varies="an error in Gazebo Classic, which Ubuntu 22.04 has with such a version",
+    measured=Measured(classic="simulates what is left", sim="accepts it"),
     summary="Older versions of sdformat drop links on movable joints of a link without mass.",
     why=(
         "`sdformat` before 9.10.1, 12.7.2 and 13.5 (Debian 12 and Ubuntu 22.04 have such "
@@ -267,6 +272,7 @@ def lump(
         links[name] = with_extensions(links[name], about, self_collide=collides)
     joints = {joint.child: joint for name in kept for joint in bodies[name].joints}
     lumped = _assembled(robot, bodies, links, joints, tags)
+    lumped = hold_kinematic(lumped) if for_classic else lumped
     return lumped, (*diagnostics, *_balls_not_simulated(lumped, file))
 
 
@@ -327,6 +333,49 @@ def _assembled(
         ),
         is_static=is_static(robot.gazebo),
         gazebo_order=tuple(joints[name].name for name in bodies if name in joints),
+    )
+
+
+def that_stay(robot: Robot) -> set[str]:
+    """The kinematic links of the root, or of a chain of such links from the root or the world."""
+    kinematic = {link.name for link in robot.links if link.is_kinematic}
+    if not kinematic:
+        return kinematic
+    children: dict[str, list[str]] = {}
+    for joint in robot.joints:
+        children.setdefault(joint.parent, []).append(joint.child)
+    queue = [robot.root] if robot.fixed_to_world or robot.root in kinematic else []
+    for name in queue:
+        queue += kinematic.intersection(children.get(name, ()))
+    return kinematic.intersection(queue)
+
+
+def hold_kinematic(robot: Robot) -> Robot:
+    """The robot of Gazebo Classic, where kinematic links stay where they are.
+
+    Such a root is fixed to the world, and the joint between a link that stays and a kinematic one
+    cannot move. A kinematic link that moving ones carry is left as it is.
+    """
+    stay = that_stay(robot)
+    joints = tuple(
+        replace(
+            joint,
+            type=joint.type if joint.type is JointType.PRISMATIC else JointType.REVOLUTE,
+            limit=HELD,
+        )
+        if joint.is_movable and joint.child in stay
+        else joint
+        for joint in robot.joints
+    )
+    if robot.root not in stay:
+        return replace(robot, joints=joints)
+    foot = Joint(name=f"{robot.root}_held", type=JointType.FIXED, parent=WORLD, child=robot.root)
+    return replace(
+        robot,
+        root=WORLD,
+        links=(Link(name=WORLD), *robot.links),
+        joints=(foot, *joints),
+        fixed_to_world=True,
     )
 
 
@@ -627,8 +676,9 @@ def _check_sdf_joints(
                     file,
                     joint.line,
                     place,
-                    message=f"{what}, which is lumped into `{name}`: Gazebo with sdformat before "
-                    "9.9, 12.7 and 13.1 (Debian 12 and Ubuntu 22.04 have such) refuses the robot.",
+                    message=f"{what}, which is lumped into `{name}`: Gazebo Sim with sdformat "
+                    "before 12.7 and 13.1 (Debian 12 and Ubuntu 22.04 have such) refuses the "
+                    "robot.",
                     hint=f'Write <gazebo reference="{above[link]}"><preserveFixedJoint>true'
                     f"</preserveFixedJoint></gazebo>, or name `{name}`.",
                 )

@@ -63,6 +63,7 @@ NOT_A_ROBOT = Rule(
     code="ROB003",
     name="not-a-robot",
     severity=Severity.ERROR,
+    measured=Measured(classic="refuses it", sim="refuses it"),
     summary="The root element of a URDF is not `<robot>`.",
     why=(
         "`urdfdom` reads `<robot>` only. An SDF file is checked as SDF when its name ends in "
@@ -76,6 +77,7 @@ UNNAMED_ROBOT = Rule(
     code="ROB004",
     name="unnamed-robot",
     severity=Severity.ERROR,
+    measured=Measured(classic="refuses it", sim="refuses it"),
     summary="The robot has no name.",
     why="`urdfdom` refuses a robot without a name, and so do Gazebo and robot_state_publisher.",
     example="<robot>",
@@ -115,6 +117,7 @@ UNEXPANDED_XACRO = Rule(
     name="unexpanded-xacro",
     severity=Severity.ERROR,
     severity_varies="a warning in a name or a plugin, which use the text as it is",
+    measured=Measured(classic="refuses it", sim="refuses it"),
     summary="A URDF contains a xacro expression.",
     why=(
         "Gazebo and robot_state_publisher do not evaluate xacro: they refuse the text or read 0. "
@@ -130,6 +133,7 @@ IGNORED_XACRO = Rule(
     name="ignored-xacro",
     severity=Severity.ERROR,
     severity_varies="a warning for a definition, which does not add anything by itself",
+    measured=Measured(classic="simulates what is left", sim="accepts it"),
     summary="A URDF contains a xacro element, which Gazebo ignores.",
     what="Looks for xacro elements in spawned robots. The robot is simulated without the parts "
     "that they would add, as in Gazebo.",
@@ -143,6 +147,7 @@ UNKNOWN_URDF_VERSION = Rule(
     code="ROB047",
     name="unknown-urdf-version",
     severity=Severity.ERROR,
+    measured=Measured(classic="refuses it", sim="refuses it"),
     summary="The version of a URDF is not 1.0.",
     why="`urdfdom` supports only version 1.0, and refuses the robot.",
     example='<robot name="my_robot" version="2.0">',

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wsgen.descriptions.urdf.values import LEFT_OVER, leading_float
-from wsgen.diagnostics import Rule, Severity
+from wsgen.diagnostics import Measured, Rule, Severity
 from wsgen.gazebo.sensors import SYSTEM_OF_SENSOR
 from wsgen.model.devices import NUMBERS_OF_POSE, NUMBERS_OF_QUATERNION_POSE
 from wsgen.text.suggestions import did_you_mean, nearest
@@ -50,6 +50,7 @@ INCOMPLETE_SENSOR = Rule(
     code="ROB097",
     name="incomplete-sensor",
     severity=Severity.ERROR,
+    measured=Measured(classic="refuses it", sim="refuses it"),
     summary="A sensor has no name or no known type.",
     why="Gazebo refuses the whole robot.",
     example='<gazebo reference="camera_link">\n  <sensor name="eye" type="camra"/>\n</gazebo>',
@@ -60,6 +61,7 @@ INCOMPLETE_PLUGIN = Rule(
     code="ROB098",
     name="incomplete-plugin",
     severity=Severity.ERROR,
+    measured=Measured(classic="refuses it", sim="refuses it"),
     summary="A plugin has no `name` or no `filename`.",
     why="Gazebo refuses the whole robot or, in some places, ignores the plugin.",
     example='<plugin filename="libgazebo_ros_diff_drive.so">',
@@ -72,6 +74,7 @@ INVALID_SENSOR_VALUE = Rule(
     severity=Severity.ERROR,
     severity_varies="a warning for a text that begins with a number, and for a range that ends "
     "before it begins",
+    measured=Measured(classic="refuses it", sim="refuses it"),
     summary="A value of a sensor is not a number or flag, or is out of range.",
     what="Checks rates, sizes, ranges, angles, noise, flags and poses in `<sensor>`. The field of "
     "view of a camera is an angle between 0.1 and 6.28 rad.",

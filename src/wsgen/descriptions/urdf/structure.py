@@ -85,6 +85,7 @@ TWO_PARENTS = Rule(
     code="ROB011",
     name="two-parents",
     severity=Severity.ERROR,
+    measured=Measured(classic="simulates another robot", sim="refuses it"),
     summary="A link is the child of two joints.",
     why=(
         "A URDF is a tree: each link has one parent, and urdfdom refuses the robot. Closed "
@@ -101,6 +102,8 @@ MIMIC_CYCLE = Rule(
     code="ROB036",
     name="mimic-cycle",
     severity=Severity.ERROR,
+    severity_varies="a warning in Gazebo Classic, where such joints move independently",
+    measured=Measured(classic="simulates it", sim="accepts it"),
     summary="A joint mimics itself, directly or through other joints.",
     why=(
         "The positions of these joints are not determined, and programs that follow the cycle may "
@@ -262,7 +265,7 @@ def check_names(collector: Collector, robot: Robot, line_of_robot: int | None) -
 def _report_reserved(collector: Collector, name: str, line: int | None, path: str) -> None:
     collector.report(
         RESERVED_NAME,
-        f"The name `{name}` is reserved: Gazebo refuses the robot.",
+        f"The name `{name}` is reserved: Gazebo Sim refuses the robot.",
         hint="Make it the root of the robot, which is then fixed to the world, or rename it."
         if name == WORLD and path.startswith("link")
         else "Use another name: not `world`, and no two underscores at the beginning and the end.",
