@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -16,7 +17,7 @@ from wsgen.model.target import SIM, Target
 from wsgen.model.transform import Pose
 from wsgen.pipeline.check import find_targets
 from wsgen.pipeline.clock import Clock
-from wsgen.porting.measured import Measured, Side, measure
+from wsgen.porting.measured import DRIVES, Measured, Side, measure
 from wsgen.porting.plan import PortPlan
 from wsgen.porting.proof import Compared, compare, prove_port
 from wsgen.porting.robot_topics import RosTopic
@@ -511,3 +512,20 @@ def test_options_without_effect(
 ) -> None:
     assert wsgen.cli.run(["port", "--to", "jazzy", *options]) == EXIT_REQUEST
     assert hint in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_world_that_another_launch_file_starts_is_the_same(tmp_path: Path) -> None:
+    """Without it, the ground would be that of Gazebo Classic's default world before."""
+    include = re.compile(r"^ {8}IncludeLaunch.*?(?=^ {8}Node)", re.MULTILINE | re.DOTALL)
+    sides = []
+    for name, files in (("humble", CLASSIC), ("jazzy", PORTED)):
+        launch, count = include.subn("", files["launch/sim.launch.py"])
+        assert count == 1
+        robot = files["urdf/cart.urdf"].replace(">0.01</mu", ">1.5</mu")  # the ball brakes
+        changed = {**files, "launch/sim.launch.py": launch, "urdf/cart.urdf": robot}
+        sides.append(measured(written(tmp_path / name / "cart", changed)))
+    rows = [*compare(*sides)]
+    ways = {row.aspect: row.after for row in rows if row.aspect in DRIVES}
+    assert [row.aspect for row in rows if row.is_same is False] == []
+    assert ways.keys() == DRIVES.keys()

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.descriptions.sdf.worlds import default_world
 from wsgen.diagnostics import has_errors
 from wsgen.isolation.parent import make_part, make_scratch
 from wsgen.launching.simulators import kind_of_project
@@ -244,6 +245,8 @@ class _Launch:
             for entity in driven
             for drive, task in DRIVES.items()
         )
+        if self.candidate.started.simulator is None:
+            world = default_world(CLASSIC)  # another launch file starts it: the same one for both
         settings = Settings(file=self.check.package.path / "package.xml", behaviors=behaviors)
         simulated = simulate_robots(
             # With the physics of one simulator: what they do differently is not of the port.
