@@ -242,3 +242,15 @@ def test_quotes_in_values() -> None:
     )
     after, _ = ported(text, file="a.launch.yaml")
     assert "      value: '-r $(eval \"''a'' + ''.sdf''\")'\n" in after
+
+
+def test_a_spawner_of_any_robot_has_the_topics_of_all() -> None:
+    node = '  <node pkg="gazebo_ros" exec="spawn_entity.py" args="-entity $(var r)"/>\n'
+    context = Context(rows={}, package="p", distro="jazzy", any_rows=[SCAN])
+    source = SourceText(Path("/nowhere/a.launch.xml"), xml(node))
+    port = port_markup(source, context)
+    assert BRIDGE.format(SCANS) in apply(source.text, port.edits)
+    assert [one.line for one in port.unported] == [2]
+    known = context._replace(rows={2: []})
+    assert port_markup(source, known).unported == ()
+    assert "bridge" not in apply(source.text, port_markup(source, known).edits)

@@ -95,7 +95,20 @@ class Context(NamedTuple):
     distro: str  # that it is ported to
     # The file of the package that takes the place of Classic's default world; None: Gazebo's own.
     default_world: str | None = None
+    # The topics of all robots, for spawners whose robot is only known when it is launched.
+    any_rows: Sequence[BridgeRow] = ()
     stampers: Sequence[Stamper] = ()  # for the controllers that the launch file may start
+
+    def rows_at(self, lines: range) -> Sequence[BridgeRow] | None:
+        """The topics of the robots of a spawner on these lines; None where they are not known."""
+        found = [self.rows[line] for line in lines if line in self.rows]
+        return [row for rows in found for row in rows] if found else None
+
+
+UNKNOWN_ROBOT = (
+    "Which robot the spawner puts into the simulator is only known when it is launched.",
+    "Check that the bridge has its topics: it has those of all robots, where they are fixed.",
+)
 
 
 def port_launch_file(source: SourceText, context: Context) -> FilePort:
@@ -452,7 +465,11 @@ class _Port(PythonEdits):
         of_world = self.context.rows.get(OF_WORLD, ())
         for call in spawners:
             lines = range(call.lineno, (call.end_lineno or call.lineno) + 1)
-            rows = [row for line in lines for row in self.context.rows.get(line, ())]
+            rows = self.context.rows_at(lines)
+            if rows is None:
+                rows = self.context.any_rows
+                if rows:
+                    self.leave(call, *UNKNOWN_ROBOT)
             if rows or with_clock:
                 rows = [*(of_world if with_clock else ()), *rows]
                 is_started |= writer.start([call, *servers], rows, with_clock=with_clock)

@@ -32,6 +32,7 @@ from wsgen.porting.launch_files import (
     SPAWNER,
     SWITCHES,
     TRUE,
+    UNKNOWN_ROBOT,
     VARIABLES,
     WITHOUT_LOSS,
     option_of,
@@ -221,7 +222,11 @@ class _Markup:
         with_clock = bool(servers)
         of_world = self.context.rows.get(OF_WORLD, ())
         for index, lines in spawners:
-            rows = [row for line in lines for row in self.context.rows.get(line, ())]
+            rows = self.context.rows_at(lines)
+            if rows is None:
+                rows = self.context.any_rows
+                if rows:
+                    self.leave(lines[0], *UNKNOWN_ROBOT)
             if rows or with_clock:
                 rows = [*(of_world if with_clock else ()), *rows]
                 yield index, self.bridge(rows, with_clock=with_clock)

@@ -110,11 +110,13 @@ def plan_port(targets: Targets, target: Target, environment: Mapping[str, str]) 
         systems = frozenset().union(*(port.all().systems for port in ports))
         models = {name for port in ports for name in model_names(port.package.path)}
         models |= {port.package.name for port in ports}
+        any_rows = [*dict.fromkeys(row for port in ports for row in _fixed_rows(port, target))]
         stampers = [one for port in ports for one in _port_parameters(port, target)]
         stampers = [_as_renamed(one, ports) for one in stampers]
+        known = _Known(rows, any_rows, systems, stampers)
         for port in ports:
             _port_worlds(port, target, systems, models)
-            _port_launch_files(port, target, rows, systems, stampers)
+            _port_launch_files(port, target, known)
             _list_code(port)
         _list_unstarted(stampers, ports)
         is_simulated = any(port.all().packages for port in ports)
@@ -161,6 +163,8 @@ def _rows(
                     process = spawn.process
                     if process is None or process.file is None or process.line is None:
                         continue
+                    if not spawn.description:
+                        continue
                     here = found[real_path(process.file)][process.line]
                     rows = bridge_rows(spawn.description, target)
                     here += [row for row in rows if row not in here]
@@ -177,6 +181,15 @@ def _rows_of_world(file: Path, models: Mapping[str, Path], target: Target) -> It
         if name in models:
             others = {known: path for known, path in models.items() if known != name}
             yield from _rows_of_world(models[name], others, target)
+
+
+def _fixed_rows(port: _Port, target: Target) -> Iterator[BridgeRow]:
+    """The topics of the robots of a package whose names are not computed."""
+    for source in port.files(_OF_XML):
+        if _ROBOT.search(source.text):
+            for row in bridge_rows(source.text, target):
+                if not any("$" in text or "{" in text for text in row):
+                    yield row
 
 
 def _is_markup(file: Path) -> bool:
@@ -235,27 +248,31 @@ def _list_unstarted(stampers: Sequence[Stamper], ports: Sequence[_Port]) -> None
         port.ports[one.file].append(FilePort(unported=(unported,)))
 
 
-def _port_launch_files(
-    port: _Port,
-    target: Target,
-    rows: Mapping[str, Mapping[int, Sequence[BridgeRow]]],
-    systems: frozenset[str],
-    stampers: Sequence[Stamper],
-) -> None:
+class _Known(NamedTuple):
+    """What launch files need to know of the whole workspace."""
+
+    rows: Mapping[str, Mapping[int, Sequence[BridgeRow]]]  # by real path and line of a spawner
+    any_rows: Sequence[BridgeRow]
+    systems: frozenset[str]
+    stampers: Sequence[Stamper]
+
+
+def _port_launch_files(port: _Port, target: Target, known: _Known) -> None:
     own = next(
         (one.file for one in port.files((".world", ".sdf")) if one.file.stem == "empty"), None
     )
-    world = DEFAULT_WORLD if systems else None
+    world = DEFAULT_WORLD if known.systems else None
     if own is not None:
         world = own.relative_to(port.package.path).as_posix()
 
     def context(source: SourceText) -> Context:
         return Context(
-            rows=rows.get(real_path(source.file), {}),
+            rows=known.rows.get(real_path(source.file), {}),
             package=port.package.name,
             distro=target.distro,
             default_world=world,
-            stampers=stampers,
+            stampers=known.stampers,
+            any_rows=known.any_rows,
         )
 
     for source in port.files((".py",)):

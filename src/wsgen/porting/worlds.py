@@ -258,11 +258,16 @@ def _port_state(port: Porter, world: Node, state: Node) -> None:
                 port.editor.set_text(before, pose)
             moved += 1
     port.editor.remove(state)
+    has_joints = any(len([*one.children("link")]) > 1 for one in state.children("model"))
+    if not (moved or has_joints):
+        return
     port.leave(
         state,
         f"Gazebo Sim does not read <state>: it is gone, and the poses of {moved} models and lights "
         "are written into them.",
-        "Check models with joints: their positions are not kept.",
+        "Set the positions of joints where models need them: they are not kept."
+        if has_joints
+        else "Check the places of the models.",
     )
 
 
