@@ -222,6 +222,7 @@ PLUGINS = {
         <gazebo>
           <plugin filename="libgazebo_ros2_control.so" name="gazebo_ros2_control">
             <robot_sim_type>gazebo_ros2_control/GazeboSystem</robot_sim_type>
+            <robot_param_node>/demo/robot_state_publisher</robot_param_node>
             <parameters>$(find demo)/config/controllers.yaml</parameters>
           </plugin>
         </gazebo>

@@ -35,8 +35,15 @@ if TYPE_CHECKING:
 DIFF, PLANAR = "gazebo_ros_diff_drive", "gazebo_ros_planar_move"
 STATES = ("gazebo_ros_joint_state_publisher", "joint-state-publisher", "ros2_control")
 _OF_CONTROL = "gz_ros2_control-system"
-# Of gazebo_ros2_control and of ROS 1.
-_NOT_OF_CONTROL = ("robot_sim_type", "robotSimType", "control_period", "robotNamespace")
+# What ros2_control for Gazebo Sim does not read from Jazzy on: what it takes for it, and what to do
+# where another thing is meant; None: it is of ROS 1, or has no effect.
+_DESCRIBED = "Publish the description on `robot_description` in the namespace of the plugin."
+_NOT_OF_CONTROL = {
+    "robot_param": ("robot_description", _DESCRIBED),
+    "robot_param_node": ("robot_state_publisher", _DESCRIBED),
+    "e_stop_topic": ("", "Deactivate the controllers in a node that reads the topic."),
+    **dict.fromkeys(("robot_sim_type", "robotSimType", "control_period", "robotNamespace")),
+}
 _REPEATED = ("left_joint", "right_joint", "joint_name", "wheel")
 # Of these another element says the same once more.
 _AS_THE_FIRST = ("xyz_offset", "rpy_offset", "xyz_offsets", "rpy_offsets")
@@ -434,6 +441,10 @@ def _control(port: Porter, plugin: ClassicPlugin) -> None:
     port.packages.add("gz_ros2_control")
     for node in plugin.node.children(*_NOT_OF_CONTROL):
         port.editor.remove(node)
+        known = _NOT_OF_CONTROL[node.name]
+        if known is not None and node.text.rpartition("/")[2] != known[0]:
+            what = f"ros2_control for Gazebo Sim does not read <{node.name}>: `{node.text}`."
+            port.leave(node, what, known[1])
 
 
 def _force_torque(port: Porter, plugin: ClassicPlugin) -> None:
