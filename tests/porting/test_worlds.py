@@ -185,9 +185,10 @@ def test_systems() -> None:
     assert ported(world(), systems=("Sensors", "Physics")) == (world(LOADED, SENSORS), [])
     own = '    <plugin filename="ignition-gazebo-physics-system" name="P"/>  <!-- own -->\n'
     assert ported(world(own)) == (world(own), [])
-    assert ported(world(own), systems=("Sensors",))[0] == world(
-        own.replace("  <!-- own -->\n", f"\n{SENSORS.rstrip()}  <!-- own -->\n")
-    )
+    after, _ = ported(world(own), systems=("Sensors",))
+    spawning = next(line for line in LOADED.splitlines() if "user-commands" in line)
+    added = f"{spawning}\n{SENSORS.rstrip()}"
+    assert after == world(own.replace("  <!-- own -->\n", f"\n{added}  <!-- own -->\n"))
 
 
 def test_plugins_of_classic() -> None:

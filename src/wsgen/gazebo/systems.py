@@ -45,7 +45,8 @@ _MARKERS = (
 )
 # What Gazebo loads for a world without systems, and from Ionic on for any world, unless a
 # server.config says another thing (include/gz/sim/server.config of all releases).
-DEFAULT_SYSTEMS = ("Physics", "UserCommands", "SceneBroadcaster")
+SPAWNING = "UserCommands"  # the one without which nothing can be spawned
+DEFAULT_SYSTEMS = ("Physics", SPAWNING, "SceneBroadcaster")
 # The distributions whose Gazebo adds them to those of a world (SimulationRunner.cc of gz-sim9).
 WITH_MERGED_DEFAULTS = ("kilted", "lyrical", "rolling")
 # Those of the worlds that Gazebo ships and people start robots in.

@@ -22,7 +22,14 @@ from wsgen.gazebo.successors import (
     OF_WORLDS,
     ON_FUEL,
 )
-from wsgen.gazebo.systems import CONTROL, DEFAULT_SYSTEMS, is_of_gz, loaded_class, plugin_of
+from wsgen.gazebo.systems import (
+    CONTROL,
+    DEFAULT_SYSTEMS,
+    SPAWNING,
+    is_of_gz,
+    loaded_class,
+    plugin_of,
+)
 from wsgen.porting.models import colors
 from wsgen.porting.porter import Porter, number, written
 from wsgen.porting.xml_edits import Block
@@ -118,10 +125,14 @@ def _port_world(port: Porter, world: Node, systems: Collection[str]) -> None:
 
 
 def _load(port: Porter, world: Node, needed: Collection[str]) -> None:
-    """Have a world load systems; those that any world needs, where it loads none."""
+    """Have a world load systems: all that worlds have by default, where it loads none.
+
+    One that loads some, and lacks what robots need, must have that which spawns them.
+    """
     names = ((one.get("filename"), one.get("name")) for one in world.children("plugin"))
     loaded = {loaded_class(file, name) or loaded_class(file, "") for file, name in names} - {None}
-    wanted = (*(() if loaded else DEFAULT_SYSTEMS), *sorted({*needed} - {*DEFAULT_SYSTEMS}))
+    usual = DEFAULT_SYSTEMS if not loaded else (SPAWNING,) if needed else ()
+    wanted = (*usual, *sorted({*needed} - {*usual}))
     blocks = [_system(one) for one in wanted if one not in loaded]
     if not blocks:
         return
