@@ -237,6 +237,19 @@ def test_variables_of_the_environment_are_renamed() -> None:
     assert after == "SetEnvironmentVariable('GZ_SIM_RESOURCE_PATH', models)\n"
 
 
+def test_variables_that_become_one_add_up() -> None:
+    after, _ = ported(
+        """\
+        from launch.actions import SetEnvironmentVariable
+        SetEnvironmentVariable('GAZEBO_MODEL_PATH', models)
+        SetEnvironmentVariable('GAZEBO_RESOURCE_PATH', worlds)
+        """
+    )
+    assert "\nSetEnvironmentVariable('GZ_SIM_RESOURCE_PATH', models)" in after
+    assert "\nAppendEnvironmentVariable('GZ_SIM_RESOURCE_PATH', worlds)" in after
+    assert "from launch.actions import AppendEnvironmentVariable\n" in after
+
+
 def test_what_is_not_understood_is_listed_and_stays() -> None:
     text = (
         "IncludeLaunchDescription(source('gazebo_ros', 'gazebo.launch.py'), launch_arguments=f())\n"

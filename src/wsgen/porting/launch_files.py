@@ -538,6 +538,23 @@ class _Port(PythonEdits):
             new = NAMES.get(text.text)
             if new is not None:
                 self.rename(text, (text.text, new))
+        self._append_to_variables()
+
+    def _append_to_variables(self) -> None:
+        """Where two variables become one, have the second add to what the first one sets."""
+        seen: set[str] = set()
+        for call in sorted(self.calls("SetEnvironmentVariable"), key=lambda one: one.lineno):
+            name = self.said(argument(call, 0, "name"))
+            becomes = VARIABLES.get(name or "")
+            if becomes is None:
+                continue
+            if becomes in seen:
+                end = self.tree.end(call.func)
+                start = end - len(name_of(call))
+                self.edits.append(Edit(start=start, end=end, text="AppendEnvironmentVariable"))
+                if isinstance(call.func, ast.Name):
+                    self.imports.append("from launch.actions import AppendEnvironmentVariable")
+            seen.add(becomes)
 
     def _is_whole_value(self, node: ast.expr) -> bool:
         """Whether it is what a launch argument is given, or its default."""
