@@ -273,3 +273,21 @@ def test_line_ends_of_windows_stay() -> None:
     port = port_launch_file(source, Context(rows={2: [SCAN]}, package="my_robot", distro="jazzy"))
     after = apply(source.text, port.edits)
     assert after.count("\n") == after.count("\r\n")
+
+
+def test_a_topic_with_two_names_in_ros_has_two_bridges() -> None:
+    info, depth = (
+        BridgeRow("/c/camera_info", "CameraInfo", "sensor_msgs/msg/CameraInfo", "[", name)
+        for name in ("/c/camera_info", "/c/depth/camera_info")
+    )
+    text = """
+        LaunchDescription([
+            Node(package='gazebo_ros', executable='spawn_entity.py'),
+        ])
+    """
+    after, _ = ported(text, rows={3: [info, depth, SCAN]})
+    first, second = after.split("executable='parameter_bridge'")[1:]
+    assert "/scan@" in first
+    assert "remappings" not in first
+    assert "remappings=[\n            ('/c/camera_info', '/c/depth/camera_info'),\n" in second
+    assert after.count("'/c/camera_info@") == len((info, depth))

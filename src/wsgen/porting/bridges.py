@@ -28,6 +28,29 @@ def option(row: BridgeRow) -> str:
     return f"{row.gz_topic}@{row.ros_type}{row.direction}gz.msgs.{row.gz_type}"
 
 
+def parted(rows: Sequence[BridgeRow]) -> list[list[BridgeRow]]:
+    """What each of several bridges converts: one gives a topic of Gazebo one name in ROS.
+
+    At least one, which may have nothing to convert.
+    """
+    parts: list[list[BridgeRow]] = [[]]
+    names: list[dict[str, str]] = [{}]  # in ROS, of the topics of Gazebo in each part
+    for row in rows:
+        for part, known in zip(parts, names, strict=True):
+            if known.setdefault(row.gz_topic, row.ros_topic) == row.ros_topic:
+                part.append(row)
+                break
+        else:
+            parts.append([row])
+            names.append({row.gz_topic: row.ros_topic})
+    return parts
+
+
+def renamed(rows: Sequence[BridgeRow]) -> dict[str, str]:
+    """The remappings of a bridge."""
+    return {row.gz_topic: row.ros_topic for row in rows if row.gz_topic != row.ros_topic}
+
+
 class _Place(NamedTuple):
     """Where an action is added."""
 
@@ -46,9 +69,12 @@ class BridgeWriter:
         self, beside: Sequence[ast.Call], rows: Sequence[BridgeRow], *, with_clock: bool
     ) -> bool:
         """Start a bridge where the first of some actions is started that is; whether one is."""
-        arguments = [*dict.fromkeys([*([CLOCK] if with_clock else []), *map(option, rows)])]
-        renamed = {row.gz_topic: row.ros_topic for row in rows if row.gz_topic != row.ros_topic}
-        if self._add(beside, (BRIDGE_PACKAGE, BRIDGE), arguments, renamed):
+        first, *others = parted(rows)
+        arguments = [*dict.fromkeys([*([CLOCK] if with_clock else []), *map(option, first)])]
+        program = (BRIDGE_PACKAGE, BRIDGE)
+        if self._add(beside, program, arguments, renamed(first)):
+            for part in others:
+                self._add(beside, program, [*map(option, part)], renamed(part))
             return True
         self.file.leave(
             beside[0],

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.checks.fixes.source import Edit, join_additions
 from wsgen.checks.rules.controllers import MANAGER
 from wsgen.launching.spawner_options import CREATE, SPAWN_ENTITY
-from wsgen.porting.bridges import BRIDGE, BRIDGE_PACKAGE, CLOCK, STAMPER, option
+from wsgen.porting.bridges import BRIDGE, BRIDGE_PACKAGE, CLOCK, STAMPER, option, parted, renamed
 from wsgen.porting.launch_files import (
     ADVICE,
     CLIENT,
@@ -206,14 +206,13 @@ class _Markup:
         self.packages.add(PACKAGE)
         return " ".join(("gz", "sim", *part.split(), *runs, *rest, *world))
 
-    def bridge(self, rows: Sequence[BridgeRow], *, with_clock: bool) -> _Bridge:
-        """The node that converts topics."""
+    def bridge(self, rows: Sequence[BridgeRow], *, with_clock: bool) -> Iterator[_Bridge]:
+        """The nodes that convert topics."""
         self.packages.add(BRIDGE_PACKAGE)
-        words = dict.fromkeys([*([CLOCK] if with_clock else []), *map(option, rows)])
-        pairs = dict.fromkeys(
-            (row.gz_topic, row.ros_topic) for row in rows if row.gz_topic != row.ros_topic
-        )
-        return _Bridge(" ".join(words), tuple(pairs))
+        for part in parted(rows):
+            words = dict.fromkeys([*([CLOCK] if with_clock else []), *map(option, part)])
+            yield _Bridge(" ".join(words), tuple(renamed(part).items()))
+            with_clock = False
 
     def bridges(
         self, servers: Sequence[int], spawners: Sequence[tuple[int, range]]
@@ -229,10 +228,12 @@ class _Markup:
                     self.leave(lines[0], *UNKNOWN_ROBOT)
             if rows or with_clock:
                 rows = [*(of_world if with_clock else ()), *rows]
-                yield index, self.bridge(rows, with_clock=with_clock)
+                for bridge in self.bridge(rows, with_clock=with_clock):
+                    yield index, bridge
                 with_clock = False
         if with_clock:
-            yield servers[0], self.bridge(of_world, with_clock=True)
+            for bridge in self.bridge(of_world, with_clock=True):
+                yield servers[0], bridge
 
 
 class _Bridge(NamedTuple):
