@@ -869,6 +869,16 @@ def test_has_the_same_topics_before_and_after_xacro() -> None:
         assert f"/{topic[1].lstrip('/')}" == row.gz_topic == row.ros_topic
 
 
+def test_bridges_commands_to_gazebo() -> None:
+    text = """<robot><gazebo><plugin name="a" filename="{}"/></gazebo></robot>"""
+    for stem, gz_type in {
+        "planar_move": "Twist",
+        "joint_pose_trajectory": "JointTrajectory",
+    }.items():
+        rows = bridge_rows(text.format(f"libgazebo_ros_{stem}.so"), JAZZY)
+        assert [row.gz_type for row in rows if row.direction == "]"] == [gz_type]
+
+
 UNPORTED = {
     '<gazebo><plugin name="a" filename="libmy_plugin.so"/></gazebo>': "`libmy_plugin.so` is a plugin",
     '<gazebo><plugin name="a" filename="libgazebo_ros_tricycle_drive.so"/></gazebo>': "drives a",

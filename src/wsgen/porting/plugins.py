@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from wsgen.gazebo.bridged_types import PAIRS
 from wsgen.gazebo.plugins import TWO_WHEELS, simulator_of, stem
 from wsgen.gazebo.successors import (
     CONVERSIONS,
@@ -16,6 +17,7 @@ from wsgen.gazebo.successors import (
 from wsgen.gazebo.systems import CONTROL, is_of_gz, systems
 from wsgen.model.target import CLASSIC
 from wsgen.porting.porter import (
+    FROM_GAZEBO,
     TO_GAZEBO,
     ClassicPlugin,
     half,
@@ -218,17 +220,19 @@ def _name_topics(port: Porter, plugin: ClassicPlugin, parameters: Mapping[str, s
         if use in names:
             port.editor.append(plugin.node, Block(parameter, names[use]))
     for use, name in names.items():
-        if use in _TYPES and use in parameters:
-            gz_type, way = _TYPES[use]
-            port.bridge(name, gz_type, name, way=way)
+        if use in parameters:
+            _bridge(port, plugin, use, name)
 
 
-_TYPES = {
-    "odometry": ("Odometry", "["),
-    "tf": ("Pose_V", "["),
-    "states": ("Model", "["),
-    "command": ("Twist", TO_GAZEBO),
-}
+# A type of ROS -> that of Gazebo which is converted to it.
+_GZ_TYPES = {types[0]: gz_type for gz_type, types in reversed(PAIRS.items())}
+
+
+def _bridge(port: Porter, plugin: ClassicPlugin, use: str, name: str) -> None:
+    """Have a topic of a plugin converted, which has one name in Gazebo and in ROS."""
+    topic = plugin.facts.topics[use]
+    way = TO_GAZEBO if topic.is_read else FROM_GAZEBO
+    port.bridge(name, _GZ_TYPES[topic.type], name, way=way)
 
 
 def _odometry(
@@ -240,7 +244,7 @@ def _odometry(
     blocks = [Block(by_use[use], names[use]) for use in by_use if use in names]
     for use in by_use:
         if use in names:
-            port.bridge(names[use], _TYPES[use][0], names[use])
+            _bridge(port, plugin, use, names[use])
     if blocks:
         blocks += [
             Block(new, plugin.value(name, plugin.default(name))) for name, new in parameters.items()
@@ -415,9 +419,6 @@ def _ground_truth(port: Porter, plugin: ClassicPlugin, values: dict[str, str]) -
 
 
 def _trajectory(port: Porter, plugin: ClassicPlugin, _: dict[str, str]) -> None:
-    topic = _names(plugin)["command"]
-    port.rows.remove(port.rows[-1])  # not a twist
-    port.bridge(topic, "JointTrajectory", topic, way=TO_GAZEBO)
     port.leave(
         plugin.node,
         "Gazebo Classic sets the positions of the joints; Gazebo Sim moves them by a controller.",
@@ -477,7 +478,7 @@ def _force_torque(port: Porter, plugin: ClassicPlugin) -> None:
     sensor = Block("sensor", content, f'name="{name}" type="force_torque"')
     _put_sensor(port, plugin, sensor, joint, owner)
     port.systems.add("ForceTorque")
-    port.bridge(topic, "Wrench", topic)
+    _bridge(port, plugin, "wrench", topic)
     if number(plugin.value("gaussian_noise")) not in (None, 0.0):
         port.leave(
             plugin.node,

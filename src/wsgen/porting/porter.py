@@ -57,7 +57,13 @@ class Porter:
             self.leave(node, what, advice)
 
     def bridge(
-        self, gz_topic: str, gz_type: str, ros_topic: str, *, ros_type: str = "", way: str = "["
+        self,
+        gz_topic: str,
+        gz_type: str,
+        ros_topic: str,
+        *,
+        ros_type: str = "",
+        way: str = FROM_GAZEBO,
     ) -> None:
         """Have a topic converted, to the usual type of ROS unless another is given."""
         package, _, name = (ros_type or PAIRS[gz_type][0]).partition("/")
