@@ -242,6 +242,21 @@ PLUGINS = {
         """,
         [],
     ),
+    "ros2_control of Fortress": (
+        """
+        <plugin>ign_ros2_control/IgnitionSystem</plugin>
+        <gazebo>
+          <plugin filename="libign_ros2_control-system.so" name="ign_ros2_control::IgnitionROS2ControlPlugin"/>
+        </gazebo>
+        """,
+        """
+        <plugin>gz_ros2_control/GazeboSimSystem</plugin>
+        <gazebo>
+          <plugin filename="gz_ros2_control-system" name="gz_ros2_control::GazeboSimROS2ControlPlugin"/>
+        </gazebo>
+        """,
+        [],
+    ),
     "force and torque": (
         """
         <joint name="wrist" type="revolute">

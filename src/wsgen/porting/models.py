@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 
 _ELSEWHERE = ("world", "gui", "actor")  # whose own plugins are not those of models
 _NOT_READ = ("road", "population", "state")  # by Gazebo Sim, whatever is in them
-_HARDWARE = re.escape(ROS2_CONTROL_HARDWARE[CLASSIC][1])
+# That of Gazebo Classic, and that of Fortress, which Jazzy and later do not have.
+_HARDWARE = rf"{re.escape(ROS2_CONTROL_HARDWARE[CLASSIC][1])}|ign_ros2_control/IgnitionSystem"
 _COMMENT_OR_HARDWARE = re.compile(rf"<!--.*?(?:-->|\Z)|\b({_HARDWARE})\b", re.DOTALL)
 _SPECULAR = 0.1
 

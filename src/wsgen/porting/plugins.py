@@ -552,7 +552,7 @@ def _imu(port: Porter, plugin: ClassicPlugin) -> None:
 
 
 _OTHERS: dict[str, Callable[[Porter, ClassicPlugin], None]] = {
-    "gazebo_ros2_control": _control,
+    **dict.fromkeys(("gazebo_ros2_control", "ign_ros2_control-system"), _control),
     "gazebo_ros_ft_sensor": _force_torque,
     "gazebo_ros_imu_sensor": _imu,
 }
