@@ -295,6 +295,7 @@ def test_what_differs_is_named(
 def test_before_is_the_newest_commit_for_classic(tmp_path: Path) -> None:
     package = written(tmp_path / "src" / "cart", CLASSIC)
     git(tmp_path, "init")
+    (package / "elsewhere").symlink_to("/nowhere")
     for message, files in (
         (
             "For Gazebo Classic",
@@ -320,7 +321,7 @@ def not_planned() -> PortPlan:
 
 def test_what_has_no_history_asks_for_it(tmp_path: Path) -> None:
     package = written(tmp_path / "cart", PORTED)
-    with pytest.raises(RequestError, match=r"for Gazebo Sim already, and .* in no git") as caught:
+    with pytest.raises(RequestError, match=r"start Gazebo Sim already, and .* in no git") as caught:
         prove_port(find_targets([package]), JAZZY, ENVIRONMENT, not_planned)
     assert "--before FOLDER" in (caught.value.hint or "")
     git(tmp_path, "init")

@@ -10,9 +10,8 @@ import math
 import os
 import shutil
 import subprocess
-import tarfile
 from collections import Counter, defaultdict
-from io import BytesIO
+from contextlib import suppress
 from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -48,7 +47,7 @@ _SUCCESSORS = {"gazebo_msgs/ContactsState": "ros_gz_interfaces/Contacts"}
 _MOST_COMMITS, _MOST_OF_CLASSIC = 20, 6
 _SOURCES = ("*.xml", "*.py", "*.txt", "*.xacro", "*.urdf", "*.sdf", "*.world", "*.gazebo")
 _OF_CLASSIC = "gazebo_ros"
-_MINUTES = 120  # s, that git may take for the files of a commit
+_PATIENCE = 120  # s, that git may take for the files of a commit
 
 
 class Compared(NamedTuple):
@@ -174,12 +173,13 @@ def _before(targets: Targets, environment: Mapping[str, str], scratch: Path) -> 
         RequestError: There is none.
     """
     names = {package.name for package in targets.packages}
+    listed = ", ".join(sorted(names))
     hint = "Give a folder with the package as it was: --before FOLDER"
     program, folder = shutil.which("git"), targets.packages[0].path
     top = run_git(program, folder, "rev-parse", "--show-toplevel") if program else None
     if program is None or top is None:
         raise RequestError(
-            f"{', '.join(sorted(names))} is for Gazebo Sim already, and {folder} is in no git "
+            f"The launch files of {listed} start Gazebo Sim already, and {folder} is in no git "
             "repository that has it as it was before.",
             hint=hint,
         )
@@ -202,8 +202,8 @@ def _before(targets: Targets, environment: Mapping[str, str], scratch: Path) -> 
         _, commit, before = max(found, key=itemgetter(0))
         return commit, before
     raise RequestError(
-        f"{', '.join(sorted(names))} is for Gazebo Sim, and no commit of {root} was found in which "
-        "one of its launch files spawns a robot in Gazebo Classic.",
+        f"The launch files of {listed} start Gazebo Sim already, and no commit of {root} was found "
+        "in which one of them spawns a robot in Gazebo Classic.",
         hint=hint,
     )
 
@@ -220,17 +220,19 @@ def _commits(program: str, root: Path) -> Iterator[str]:
 
 
 def _checked_out(program: str, root: Path, commit: str, place: Path) -> tuple[PackageFolder, ...]:
-    """The packages in the files of a commit, in a folder; none where git does not have them all."""
-    run = subprocess.run(
-        [program, "-C", root, "archive", "--format=tar", commit],
-        capture_output=True,
-        timeout=_MINUTES,
-        check=False,
-    )
-    if run.returncode:
-        return ()
-    with tarfile.open(fileobj=BytesIO(run.stdout)) as archive:
-        archive.extractall(place, filter="data")
+    """The packages in the files of a commit, in a new folder; git may not have all files."""
+    place.mkdir()
+    # With an index of its own, git leaves that of the user alone.
+    variables = {**os.environ, "GIT_INDEX_FILE": f"{place}.index"}
+    for words in (("read-tree", commit), ("checkout-index", "--all", f"--prefix={place}/")):
+        with suppress(subprocess.TimeoutExpired):
+            subprocess.run(
+                [program, "-C", root, *words],
+                env=variables,
+                capture_output=True,
+                timeout=_PATIENCE,
+                check=False,
+            )
     return find_packages(Workspace(root=place))
 
 
