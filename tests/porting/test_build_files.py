@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.checks.fixes.source import SourceText, apply
+from wsgen.checks.fixes.source import SourceText, apply, overlap
 from wsgen.porting.build_files import port_cmake, port_hook, port_setup
 from wsgen.porting.ported import FilePort
 
@@ -96,6 +96,7 @@ add_library(push SHARED push.cpp)
 # Against Gazebo:
 ament_target_dependencies(push
   gazebo_ros)
+ament_export_libraries(push)
 install(TARGETS n push
   DESTINATION lib/${PROJECT_NAME})
 install(TARGETS push LIBRARY DESTINATION lib)
@@ -127,6 +128,8 @@ endif()
     source = SourceText(tmp_path / "CMakeLists.txt", HEAD + before)
     found = port_cmake(source)
     assert apply(source.text, found.edits) == HEAD + after
+    for place, edit in enumerate(found.edits):  # else one of them would not be made
+        assert not overlap([edit], found.edits[:place])
     assert [one.line for one in found.unported] == [11]
     assert port_cmake(SourceText(source.file, HEAD + after)) == FilePort()
 

@@ -173,14 +173,15 @@ def _wrapped(
     for place, command in enumerate(commands):
         if command not in own:
             continue
-        start, end = source.whole_lines(command.start, command.end)
+        start = source.whole_lines(command.start, command.end)[0]
         indent, newline = source.indent_at(command.start), source.newline
         if place == 0 or commands[place - 1] not in own:
             text = f"{indent}if({condition}_FOUND){newline}"
             yield Edit(start=start, end=start, text=text)
         if place + 1 == len(commands) or commands[place + 1] not in own:
-            before = "" if source.text[:end].endswith("\n") else newline
-            yield Edit(start=end, end=end, text=f"{before}{indent}endif(){newline}")
+            # On its line, what is behind it may be removed.
+            text = f"{newline}{indent}endif()"
+            yield Edit(start=command.end, end=command.end, text=text)
 
 
 def _installed_apart(
