@@ -15,12 +15,18 @@ pytestmark = pytest.mark.slow
 
 # Ubuntu 22.04, Ubuntu 24.04, the last before 4, the newest that wsgen's dependencies bring.
 VERSIONS = ("3.22.6", "3.28.4", "3.31.6", "newest")
-# Not at a border: what the older and the newer one accept, it accepts, too. It tries the file with
+# Not at a border: what the older and the newer one accept, they accept, too. They try the file with
 # the most commands.
 BETWEEN = ("3.28.4", "3.31.6")
 
 
-@pytest.fixture(scope="module", params=VERSIONS)
+@pytest.fixture(
+    scope="module",
+    params=[
+        pytest.param(one, marks=[pytest.mark.thorough] if one in BETWEEN else [])
+        for one in VERSIONS
+    ],
+)
 def cmake(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The binary of one CMake version."""
     if request.param == "newest":

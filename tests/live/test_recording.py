@@ -25,8 +25,7 @@ from wsgen.model.transform import Pose
 from wsgen.model.world import World
 from wsgen.pipeline import clock
 from wsgen.ros.environment import RosEnvironment, variables_of_nodes
-from wsgen.simulation.live_runs import SCENE_FILE, LiveScene
-from wsgen.simulation.pose_log import POSE_LOG_FILE, PoseLogWriter
+from wsgen.simulation.live_runs import POSE_LOG_FILE, SCENE_FILE, LiveScene, PoseLogWriter
 from wsgen.simulation.scene import Scene, SpawnedRobot
 
 if TYPE_CHECKING:

@@ -15,8 +15,7 @@ from PIL import Image
 
 from wsgen.model.robot import Box, Cylinder, Mesh, Sphere
 from wsgen.model.transform import Pose
-from wsgen.rendering.gltf import Part, write_glb
-from wsgen.rendering.surfaces import surface_of
+from wsgen.rendering.surfaces import Part, surface_of, write_glb
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from wsgen.errors import NotFoundError
-from wsgen.ros.environment import compiler
-from wsgen.ros.environment.compiler import python_headers, system_compiler
+from wsgen.ros.environment import messages
 from wsgen.ros.environment.environment import pinned
 from wsgen.ros.environment.interfaces import (
     FOLDER,
@@ -19,6 +18,7 @@ from wsgen.ros.environment.interfaces import (
     read_interfaces,
     write_interfaces,
 )
+from wsgen.ros.environment.messages import python_headers, system_compiler
 from wsgen.ros.environment.workspace_messages import _closure, _used
 
 TYPE = r"([a-z][a-z0-9_]*/)?[A-Za-z][A-Za-z0-9]*(<=\d+)?(\[(<=)?\d*\])?"
@@ -112,6 +112,6 @@ def test_a_python_without_headers_is_reported(
 def test_the_errors_of_a_compiler_are_reported() -> None:
     command = ["sh", "-c", "echo 'x.c:1: error: no' >&2; echo more >&2; exit 1"]
     with pytest.raises(NotFoundError, match=r"sh does not compile messages: x\.c:1: error: no\n"):
-        compiler.run_all([command], environment={"PATH": "/usr/bin:/bin"})
+        messages.run_all([command], environment={"PATH": "/usr/bin:/bin"})
     with pytest.raises(NotFoundError, match="no-such-compiler does not compile"):
-        compiler.run_all([["no-such-compiler"]], environment={"PATH": "/usr/bin"})
+        messages.run_all([["no-such-compiler"]], environment={"PATH": "/usr/bin"})

@@ -32,13 +32,14 @@ from wsgen.model.devices import Devices, Element, MountedSensor
 from wsgen.model.transform import Pose
 from wsgen.simulation.live_runs import (
     FOLDER_VARIABLE,
+    POSE_LOG_FILE,
     SCENE_FILE,
     UNHEARD_FILE,
     LiveScene,
     NewEntity,
     PreparedEntity,
+    read_pose_log,
 )
-from wsgen.simulation.pose_log import POSE_LOG_FILE, read_pose_log
 from wsgen.simulation.scene import SpawnedRobot
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from wsgen.model.robot import Box, Collision, Link, Robot
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
 from wsgen.pipeline.tasks.video import draw
-from wsgen.simulation.pose_log import PoseLogWriter, read_pose_log
+from wsgen.simulation.live_runs import PoseLogWriter, read_pose_log
 from wsgen.simulation.scene import Scene, SpawnedRobot, Video
 
 BOX = {"link": Pose(xyz=(3.0, 0.0, 0.25))}

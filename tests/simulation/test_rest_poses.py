@@ -70,8 +70,9 @@ ROBOTS = {  # the end of each path, with what may have installed it
     "iCub/robots/left_wrist_mk2/model.urdf": ("icub-models",),
 }
 
-# Spirit40, of the same maker, has its joints and kinds of shapes: with --thorough alone.
-ALIKE = ("pybullet_data/quadruped/vision60.urdf",)
+# Spirit40, of the maker of Vision60, and Minitaur have their joints and kinds of shapes: with
+# --thorough alone.
+ALIKE = ("pybullet_data/quadruped/vision60.urdf", "pybullet_data/quadruped/quadruped.urdf")
 
 # What rests in a joint that only its friction holds rests at any height within what that holds: the
 # wrist of the arm that stands on its hand, the legs that give way to the side.

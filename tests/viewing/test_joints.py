@@ -8,8 +8,13 @@ import pytest
 
 from wsgen.model.robot import Joint, JointLimit, JointType, Link, Mimic, Robot
 from wsgen.model.transform import IDENTITY, Pose
-from wsgen.reporting.viewing.drawing import DrawnLink, link_places
-from wsgen.reporting.viewing.joints import all_positions, place_in_parent, sliders
+from wsgen.reporting.viewing.drawing import (
+    DrawnLink,
+    all_positions,
+    link_places,
+    place_in_parent,
+    sliders,
+)
 
 
 def joint(name: str, kind: JointType = JointType.REVOLUTE, **values: object) -> Joint:

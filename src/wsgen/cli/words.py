@@ -56,8 +56,7 @@ def launch_file_of(
         workspace_around,
         workspace_if_any,
     )
-    from wsgen.pipeline.launch_file_lookup import packages_with
-    from wsgen.pipeline.plan_launch import package_of
+    from wsgen.pipeline.plan_launch import package_of, packages_with
 
     given = [
         name

@@ -21,12 +21,13 @@ from wsgen.pipeline.clock import DRAW, Clock
 from wsgen.simulation.live_runs import (
     DOMAIN,
     ENDED_FILE,
+    NO_ROBOT,
+    POSE_LOG_FILE,
     SCENE_FILE,
     STARTING_FILE,
     UNHEARD_FILE,
     LiveScene,
 )
-from wsgen.simulation.pose_log import NO_ROBOT, POSE_LOG_FILE
 from wsgen.simulation.run import no_video
 from wsgen.simulation.scene import NotDrawn, Video
 from wsgen.text.files import write_file

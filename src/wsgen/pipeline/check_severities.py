@@ -54,9 +54,9 @@ from wsgen.launching.explain_names import (
     REFUSED_BY_LAUNCH,
     UNSUPPORTED_API,
 )
+from wsgen.launching.package_lookup import UNDECLARED_PACKAGE
 from wsgen.launching.simulators import NO_SIMULATOR
 from wsgen.launching.spawner_options import INVALID_SPAWNER_OPTION
-from wsgen.launching.undeclared import UNDECLARED_PACKAGE
 from wsgen.packages.source_shares import may_have_sources
 from wsgen.pipeline.candidates import commands
 from wsgen.pipeline.file_validation import NO_MODEL, PART_OF_ROBOT, read

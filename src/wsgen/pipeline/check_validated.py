@@ -12,7 +12,7 @@ from wsgen.checks.rules.consequences import OF_FOLDERS
 from wsgen.checks.rules.frames import NO_JOINT_STATES
 from wsgen.checks.rules.manifests import target_of
 from wsgen.diagnostics import Severity
-from wsgen.launching.undeclared import UNDECLARED_PACKAGE
+from wsgen.launching.package_lookup import UNDECLARED_PACKAGE
 from wsgen.packages.build_files.facts import read_build_facts
 from wsgen.pipeline.changed_since_build import equal_source_of
 from wsgen.pipeline.check_launched import (

@@ -27,7 +27,7 @@ from wsgen.pipeline.candidates import (
     with_commands,
     with_descriptions,
 )
-from wsgen.pipeline.launch_file_lookup import (
+from wsgen.pipeline.plan_launch import (
     find_misnamed,
     find_named_launch_file,
     list_launch_files,

@@ -6,8 +6,7 @@ import ast
 import re
 from typing import TYPE_CHECKING
 
-from wsgen.checks.fixes.build_files import add_to_data_files, install_beside
-from wsgen.checks.fixes.cmake_source import read_commands
+from wsgen.checks.fixes.build_files import add_to_data_files, install_beside, read_commands
 from wsgen.checks.fixes.source import Edit, join_additions
 from wsgen.porting.manifests import MESSAGES, SUCCESSORS, code_with, naming
 from wsgen.porting.ported import FilePort, Unported
@@ -17,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Sequence
     from pathlib import Path
 
-    from wsgen.checks.fixes.cmake_source import Argument, Command
+    from wsgen.checks.fixes.build_files import Argument, Command
     from wsgen.checks.fixes.source import SourceText
 
 

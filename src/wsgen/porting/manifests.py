@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.checks.fixes.manifests import add_export, declare, text_of, top_of
 from wsgen.checks.fixes.source import Edit, children, read_tags
 from wsgen.checks.rules.dependencies import FOR_GAZEBO_SIM
-from wsgen.launching.undeclared import is_brought
+from wsgen.launching.package_lookup import is_brought
 from wsgen.packages.workspace.manifest import RUN_TAGS, holds
 from wsgen.porting.ported import FilePort, Unported
 from wsgen.ros.names import released_packages, rosdep_keys

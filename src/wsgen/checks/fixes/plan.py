@@ -8,7 +8,7 @@ import re
 import warnings
 from typing import TYPE_CHECKING
 
-from wsgen.checks.fixes import build_files, cmake_source, launch_files, manifests, robots, source
+from wsgen.checks.fixes import build_files, launch_files, manifests, robots, source
 from wsgen.checks.fixes.manifests import DEPENDENCY
 from wsgen.checks.fixes.source import apply, overlap, read_source
 from wsgen.packages.workspace.layout import (
@@ -77,9 +77,9 @@ FIXERS: Mapping[str, Fixer] = {
     "broken-console-script": build_files.fix_script_folder,
     "command-after-ament-package": build_files.move_ament_package,
     "registered-after-ament-package": build_files.move_ament_package,
-    "contents-installed": cmake_source.remove_last_slashes,
-    "repeated-folder": cmake_source.shorten_destination,
-    "wrong-destination": cmake_source.fix_destination,
+    "contents-installed": build_files.remove_last_slashes,
+    "repeated-folder": build_files.shorten_destination,
+    "wrong-destination": build_files.fix_destination,
     "folder-not-installed": build_files.install_folder,
     "broken-shebang": build_files.fix_shebang,
     "program-not-installed": build_files.install_program,

@@ -58,7 +58,6 @@ MODULES = (
     "wsgen.launching.simulators",
     "wsgen.launching.spawner_options",
     "wsgen.launching.spawning",
-    "wsgen.launching.undeclared",
     "wsgen.launching.vain_handlers",
     "wsgen.descriptions.meshes.inspection",
     "wsgen.descriptions.meshes.requests",

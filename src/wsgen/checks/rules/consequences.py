@@ -84,8 +84,8 @@ from wsgen.descriptions.xacro.reader import XACRO_FILE_FAILS
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.launching.explain_missing import EXECUTABLE_NOT_FOUND, PACKAGE_NOT_FOUND, XACRO_FAILS
 from wsgen.launching.launch_warnings import UNUSED_INCLUDE_ARGUMENT
+from wsgen.launching.package_lookup import UNDECLARED_PACKAGE
 from wsgen.launching.spawner_options import INVALID_SPAWNER_OPTION
-from wsgen.launching.undeclared import UNDECLARED_PACKAGE
 from wsgen.packages.build_files.cmake_checks import DIFFERENT_NAMES, MISSING_INSTALLED_PATH
 from wsgen.packages.build_files.install_checks import (
     CONTENTS_INSTALLED,

@@ -12,7 +12,7 @@ from wsgen.checks.rules.dependencies import (
 )
 from wsgen.checks.rules.manifests import GENERATORS
 from wsgen.diagnostics import Rule, Severity
-from wsgen.launching.undeclared import UNDECLARED_PACKAGE, is_brought, listed, undeclared
+from wsgen.launching.package_lookup import UNDECLARED_PACKAGE, is_brought, listed, undeclared
 from wsgen.packages.workspace.manifest import BUILD_TAGS, DEPENDENCY_TAGS, RUN_TAGS, TEST_TAGS
 from wsgen.packages.workspace.package_uses import CONTROLLER, LAUNCH, PLUGIN, is_for_code
 from wsgen.ros.names import cmake_packages, released_packages

@@ -21,11 +21,11 @@ from wsgen.descriptions.rules import (
     UNNAMED_ELEMENT,
     ZERO_SIZE,
 )
-from wsgen.descriptions.urdf.control import read_controls, read_transmissions
 from wsgen.descriptions.urdf.gazebo import read_tags
 from wsgen.descriptions.urdf.joints import read_joint
 from wsgen.descriptions.urdf.links import read_link, read_materials
 from wsgen.descriptions.urdf.lumping import WORLD
+from wsgen.descriptions.urdf.sensors import read_controls, read_transmissions
 from wsgen.descriptions.urdf.structure import check_inertias, check_mimics, check_names, find_root
 from wsgen.descriptions.urdf.unknown_elements import check_spelling
 from wsgen.descriptions.urdf.values import LEFT_OVER, Collector, line_of

@@ -9,7 +9,7 @@ from wsgen.isolation.child import announce
 from wsgen.rendering.drawing import Clip, Recorder, drawn
 from wsgen.rendering.scene_renderer import SceneRenderer
 from wsgen.rendering.video import draw_video
-from wsgen.simulation.pose_log import NO_ROBOT, RATE, read_pose_log
+from wsgen.simulation.live_runs import NO_ROBOT, RATE, read_pose_log
 from wsgen.simulation.scene import RECORDING, NotDrawn
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ def draw(
 
     Args:
         scene: The world.
-        log_file: The robots that were in it, and where: what `wsgen.simulation.pose_log` wrote.
+        log_file: The robots that were in it, and where: what `wsgen.simulation.live_runs` wrote.
         file: The video, .gif or .mp4.
         progress: A file that says how far it is, while it is drawn.
     """

@@ -24,16 +24,14 @@ import viser
 import websockets.asyncio.server
 
 from wsgen.model.transform import quaternion_of_rpy
-from wsgen.reporting.viewing.drawing import glb
-from wsgen.reporting.viewing.joints import all_positions, place_in_parent, unit_axis
+from wsgen.reporting.viewing.drawing import all_positions, glb, place_in_parent, unit_axis
 from wsgen.text.printable import clean
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from wsgen.model.transform import Pose, Vector
-    from wsgen.reporting.viewing.drawing import DrawnLink, DrawnRobot
-    from wsgen.reporting.viewing.joints import Quaternion, Slider
+    from wsgen.reporting.viewing.drawing import DrawnLink, DrawnRobot, Quaternion, Slider
 
 
 Rgb = tuple[int, int, int]

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
     from wsgen.events import Listener
-    from wsgen.ros.environment.compiler import Compiler
+    from wsgen.ros.environment.messages import Compiler
 
 
 DISTRO = "kilted"
@@ -295,7 +295,7 @@ def find_compiler(environment: Mapping[str, str], listener: Listener) -> Compile
         NotReadableError: the cache cannot be used.
     """
     # Once in a cache.
-    from wsgen.ros.environment.compiler import make_zig, system_compiler  # noqa: PLC0415
+    from wsgen.ros.environment.messages import make_zig, system_compiler  # noqa: PLC0415
 
     return system_compiler(environment) or make_zig(environment, listener)
 

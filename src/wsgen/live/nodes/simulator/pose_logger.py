@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.live.nodes.simulator.host import Plugin
-from wsgen.simulation.pose_log import POSE_LOG_FILE, RATE, PoseLogWriter
+from wsgen.simulation.live_runs import POSE_LOG_FILE, RATE, PoseLogWriter
 from wsgen.text.files import explain_write_error
 
 if TYPE_CHECKING:

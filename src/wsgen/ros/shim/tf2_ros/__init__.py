@@ -14,7 +14,6 @@ from tf2_py import (
     TransformException,
 )
 from tf2_ros.buffer import Buffer
-from tf2_ros.buffer_client import BufferClient
 from tf2_ros.buffer_interface import (
     BufferInterface,
     ConvertRegistration,
@@ -36,7 +35,6 @@ __all__ = [
     "DEFAULT_STATIC_TF_TOPIC",
     "DEFAULT_TF_TOPIC",
     "Buffer",
-    "BufferClient",
     "BufferCore",
     "BufferInterface",
     "ConnectivityException",

@@ -43,22 +43,6 @@ def translation_from_matrix(matrix: ArrayLike) -> Array:
     return np.array(matrix, dtype=float)[:3, 3]
 
 
-def scale_matrix(
-    factor: float, origin: ArrayLike | None = None, direction: ArrayLike | None = None
-) -> Array:
-    """A scaling about a point, in all directions or in one."""
-    found = np.eye(4)
-    if direction is None:
-        found[:3, :3] *= factor
-    else:
-        axis = unit_vector(direction)
-        found[:3, :3] -= (1.0 - factor) * np.outer(axis, axis)
-    if origin is not None:
-        center = np.asarray(origin, dtype=float)[:3]
-        found[:3, 3] = center - found[:3, :3] @ center
-    return found
-
-
 def rotation_matrix(angle: float, direction: ArrayLike, point: ArrayLike | None = None) -> Array:
     """A rotation about an axis through a point."""
     found = quaternion_matrix(quaternion_about_axis(angle, direction))
@@ -91,12 +75,6 @@ def concatenate_matrices(*matrices: ArrayLike) -> Array:
 def inverse_matrix(matrix: ArrayLike) -> Array:
     """The transform back."""
     return np.linalg.inv(np.asarray(matrix, dtype=float))
-
-
-def is_same_transform(matrix0: ArrayLike, matrix1: ArrayLike) -> bool:
-    """Whether two matrices do the same."""
-    first, second = (np.array(one, dtype=float) for one in (matrix0, matrix1))
-    return bool(np.allclose(first / first[3, 3], second / second[3, 3]))
 
 
 def euler_matrix(ai: float, aj: float, ak: float, axes: str = "sxyz") -> Array:
@@ -242,30 +220,6 @@ def quaternion_slerp(
     return (
         math.sin((1.0 - fraction) * angle) * start + math.sin(fraction * angle) * end
     ) / math.sin(angle)
-
-
-def random_quaternion(rand: ArrayLike | None = None) -> Quaternion:
-    """A rotation, all as likely; `rand` may give three numbers from 0 to 1."""
-    first, second, third = (
-        np.random.default_rng().random(3) if rand is None else np.asarray(rand, dtype=float)
-    )
-    inner, outer = math.sqrt(1.0 - first), math.sqrt(first)
-    return (
-        math.sin(2 * math.pi * second) * inner,
-        math.cos(2 * math.pi * second) * inner,
-        math.sin(2 * math.pi * third) * outer,
-        math.cos(2 * math.pi * third) * outer,
-    )
-
-
-def random_rotation_matrix(rand: ArrayLike | None = None) -> Array:
-    """The matrix of a rotation, all as likely."""
-    return quaternion_matrix(random_quaternion(rand))
-
-
-def random_vector(size: int) -> Array:
-    """Numbers from 0 to 1."""
-    return np.random.default_rng().random(size)
 
 
 def unit_vector(data: ArrayLike, axis: int | None = None, out: Array | None = None) -> Any:

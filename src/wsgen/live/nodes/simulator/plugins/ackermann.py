@@ -11,25 +11,17 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from geometry_msgs.msg import TransformStamped, Twist
+from geometry_msgs.msg import Twist
 from std_msgs.msg import Float32, Float64
-from tf2_msgs.msg import TFMessage
 
 from wsgen.live.nodes.simulator.elements import boolean, number, text, topics_of, vector
 from wsgen.live.nodes.simulator.host import CannotWorkError, Plugin
 from wsgen.live.nodes.simulator.messages import (
     can_follow_twist,
-    in_heading,
-    set_pose,
-    set_transform,
-    set_transform_to,
-    set_twist,
-    yaw_of,
 )
 from wsgen.live.nodes.simulator.plugins.drives import (
+    ClassicOdometry,
     DrivePublisher,
-    classic_odometry,
-    classic_publishers,
     driven_joints,
     length,
     limits,
@@ -42,7 +34,7 @@ from wsgen.live.nodes.simulator.plugins.joint_commands import (
 )
 from wsgen.live.nodes.simulator.timing import Timer, until_next
 from wsgen.model.robot import Cylinder, Sphere
-from wsgen.model.transform import compose, invert
+from wsgen.model.transform import compose
 from wsgen.simulation.controllers import limited_motor
 
 if TYPE_CHECKING:
@@ -315,16 +307,9 @@ class ClassicAckermann(Plugin):
             else None
             for use in ("distance", "steerangle")
         )
-        self._publisher, self._tf = classic_publishers(host, robot, element, node)
-        self._odometry = classic_odometry(robot, element)
-        base = self._odometry.child_frame_id
-        self._transforms = TFMessage(
-            transforms=[TransformStamped(child_frame_id=base)]
-            if boolean(element, "publish_odom_tf")
-            else []
-        )
-        has_wheels = boolean(element, "publish_wheel_tf")
-        self._moving = [*self._joints.values(), self._wheel] if has_wheels else []
+        moving = (*self._joints.values(), *((self._wheel,) if self._wheel is not None else ()))
+        wheels = moving if boolean(element, "publish_wheel_tf") else ()
+        self._odometry = ClassicOdometry(host, robot, element, node, wheels)
 
     def _measure(self) -> None:
         """Radius and distances of the wheels, by their shapes, as the plugin does."""
@@ -377,39 +362,12 @@ class ClassicAckermann(Plugin):
             self.period = until_next(now, self._every)
 
     def _publish(self) -> None:
-        state, message = self._robot.state(), self._odometry
-        self._distance += math.dist(state.xyz[:2], self._place[:2])
-        self._place = state.xyz
+        place = self._robot.state().xyz
+        self._distance += math.dist(place[:2], self._place[:2])
+        self._place = place
         if self._distance_publisher is not None:
             self._distance_publisher.publish(Float32(data=self._distance))
-        message.header.stamp = self._host.stamp()
-        set_pose(message.pose.pose, state.xyz, state.xyzw)
-        if self._publisher is not None:
-            linear, angular = self._robot.root_velocity()
-            ahead, left = in_heading(yaw_of(state.xyzw), linear)
-            set_twist(message.twist.twist, (ahead, left, 0.0), (0.0, 0.0, angular[2]))
-            self._publisher.publish(message)
-        if self._tf is None or not self._tf.is_wanted:
-            return
-        if self._moving:
-            self._tf.publish(TFMessage(transforms=self._wheel_transforms(message.header.stamp)))
-        if self._transforms.transforms:
-            transform = self._transforms.transforms[0]
-            transform.header = message.header
-            set_transform(transform.transform, state.xyz, state.xyzw)
-            self._tf.publish(self._transforms)
-
-    def _wheel_transforms(self, stamp: Any) -> list[Any]:
-        """From the robot to its wheels, each below the name of the link that carries it."""
-        poses, made = self._robot.link_poses(), []
-        from_world = invert(poses[self._robot.robot.root])
-        for joint in self._moving:
-            if joint is not None:
-                message = TransformStamped(child_frame_id=joint.child)
-                message.header.stamp, message.header.frame_id = stamp, joint.parent
-                set_transform_to(message.transform, compose(from_world, poses[joint.child]))
-                made.append(message)
-        return made
+        self._odometry.publish_true()
 
     def _drive(self) -> None:
         seconds = self._host.now - self._updated

@@ -10,9 +10,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from geometry_msgs.msg import TransformStamped, Twist
+from geometry_msgs.msg import Twist
 from std_msgs.msg import Bool
-from tf2_msgs.msg import TFMessage
 
 from wsgen.descriptions.urdf.diff_drive import UnusableError, read_drive
 from wsgen.gazebo.plugins import TWO_WHEELS
@@ -20,33 +19,23 @@ from wsgen.live.nodes.simulator.elements import boolean, number, topics_of
 from wsgen.live.nodes.simulator.host import CannotWorkError, Plugin
 from wsgen.live.nodes.simulator.messages import (
     can_follow_twist,
-    in_heading,
     of_yaw,
-    set_pose,
-    set_transform,
-    set_transform_to,
-    set_twist,
-    yaw_of,
 )
 from wsgen.live.nodes.simulator.plugins.drives import (
+    ClassicOdometry,
     DrivePublisher,
-    classic_odometry,
-    classic_publishers,
     driven_joints,
     values_of,
 )
 from wsgen.live.nodes.simulator.plugins.wheels import SlipWatch, WheelOdometry
 from wsgen.live.nodes.simulator.timing import Timer, until_next
 from wsgen.model.target import CLASSIC, SIM
-from wsgen.model.transform import compose, invert
 from wsgen.simulation.controllers import limited_motor, ode_motor
 
 if TYPE_CHECKING:
     from wsgen.live.nodes.simulator.host import Host, RobotHandle
-    from wsgen.live.nodes.simulator.messages import Quaternion
     from wsgen.model.behavior import DiffDrive
     from wsgen.model.devices import Element
-    from wsgen.model.transform import Vector
 
 REACHED = 0.01  # m/s; Classic's plugin takes a speed that is so near for the wanted one
 WORLD = 1  # odometry_source of Classic's plugin: where the robot is, instead of its wheels
@@ -75,14 +64,11 @@ class ClassicDiffDrive(Plugin):
         self._from_world = int(number(element, "odometry_source")) == WORLD
         topics = topics_of(host, robot, element)
         host.subscription(robot, Twist, topics["command"], self._command, node=self._node, depth=1)
-        self._odometry = classic_odometry(robot, element)
-        self._odometry_publisher, self._tf = classic_publishers(host, robot, element, self._node)
-        self._has_odom_tf = boolean(element, "publish_odom_tf")
-        self._has_wheel_tf = boolean(element, "publish_wheel_tf")
-        self._transforms = TFMessage(transforms=[TransformStamped()] if self._has_odom_tf else [])
-        self._wheel_joints = [
-            joint for joint in robot.robot.joints if joint.name in self._instructed
-        ]
+        wheels = [one for one in robot.robot.joints if one.name in self._instructed]
+        has_wheels = boolean(element, "publish_wheel_tf")
+        self._odometry = ClassicOdometry(
+            host, robot, element, self._node, wheels if has_wheels else ()
+        )
 
     def _command(self, message: Any) -> None:
         if can_follow_twist(self._host, message, self._node.resolve_topic_name("cmd_vel")):
@@ -93,56 +79,21 @@ class ClassicDiffDrive(Plugin):
         if not self._from_world:
             positions, first = self._robot.joint_positions(), self._pairs[0]
             self._encoder.update(positions[first.left], positions[first.right], self._host.now)
-        wants_odometry = self._odometry_publisher is not None and (
-            self._odometry_publisher.is_wanted
-        )
-        if wants_odometry or (self._tf is not None and self._tf.is_wanted):
+        if self._odometry.is_wanted:
             self._publish()
         self._drive()
         self._slip.look()
         self._last = self._host.now
 
     def _publish(self) -> None:
-        stamp = self._host.stamp()
-        xyz, xyzw, linear, angular = self._by_world() if self._from_world else self._by_wheels()
-        if self._odometry_publisher is not None:
-            self._odometry.header.stamp = stamp
-            set_pose(self._odometry.pose.pose, xyz, xyzw)
-            set_twist(self._odometry.twist.twist, (*linear, 0.0), (0.0, 0.0, angular))
-            self._odometry_publisher.publish(self._odometry)
-        if self._tf is None:
+        if self._from_world:
+            self._odometry.publish_true()
             return
-        if self._has_odom_tf:
-            message = self._transforms.transforms[0]
-            message.header.stamp = stamp
-            message.header.frame_id = self._odometry.header.frame_id
-            message.child_frame_id = self._odometry.child_frame_id
-            set_transform(message.transform, xyz, xyzw)
-            self._tf.publish(self._transforms)
-        if self._has_wheel_tf:
-            self._tf.publish(TFMessage(transforms=self._wheel_transforms(stamp)))
-
-    def _by_world(self) -> tuple[Vector, Quaternion, tuple[float, float], float]:
-        state = self._robot.state()
-        linear, angular = self._robot.root_velocity()
-        return state.xyz, state.xyzw, in_heading(yaw_of(state.xyzw), linear), angular[2]
-
-    def _by_wheels(self) -> tuple[Vector, Quaternion, tuple[float, float], float]:
         wheels = self._encoder
         # The plugin gives the length of the velocity, which is never negative.
         speed = abs(wheels.linear), 0.0
-        return (wheels.x, wheels.y, 0.0), of_yaw(wheels.heading), speed, wheels.angular
-
-    def _wheel_transforms(self, stamp: Any) -> list[Any]:
-        """From the robot to its wheels, each below the name of the link that carries it."""
-        poses, made = self._robot.link_poses(), []
-        from_world = invert(poses[self._robot.robot.root])
-        for joint in self._wheel_joints:
-            message = TransformStamped(child_frame_id=joint.child)
-            message.header.stamp, message.header.frame_id = stamp, joint.parent
-            set_transform_to(message.transform, compose(from_world, poses[joint.child]))
-            made.append(message)
-        return made
+        place, turned = (wheels.x, wheels.y, 0.0), of_yaw(wheels.heading)
+        self._odometry.publish(place, turned, speed, wheels.angular)
 
     def _drive(self) -> None:
         is_free = math.isinf(self._acceleration)

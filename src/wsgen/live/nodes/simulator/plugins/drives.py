@@ -15,22 +15,30 @@ from nav_msgs.msg import Odometry
 from tf2_msgs.msg import TFMessage
 
 from wsgen.descriptions.urdf.diff_drive import UnusableError, read_bounds
-from wsgen.live.nodes.simulator.elements import number, text, topics_of
+from wsgen.live.nodes.simulator.elements import boolean, number, text, topics_of
 from wsgen.live.nodes.simulator.host import CannotWorkError
 from wsgen.live.nodes.simulator.messages import (
+    in_heading,
     of_yaw,
     planar_covariance,
     set_pose,
     set_transform,
+    set_transform_to,
     set_twist,
+    yaw_of,
 )
 from wsgen.live.nodes.simulator.timing import Timer
+from wsgen.model.transform import compose, invert
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from wsgen.live.nodes.simulator.host import Host, RobotHandle
+    from wsgen.live.nodes.simulator.messages import Quaternion
     from wsgen.model.behavior import Bounds
     from wsgen.model.devices import Element
     from wsgen.model.robot import Joint
+    from wsgen.model.transform import Vector
 
 
 class DrivePublisher:
@@ -131,23 +139,74 @@ def limits(element: Element) -> Bounds:
         raise CannotWorkError(f"{error.why.reason}. {error.why.hint}") from None
 
 
-def classic_odometry(robot: RobotHandle, element: Element) -> Any:
-    """A message with its frames and covariances."""
-    message = Odometry(child_frame_id=text(element, "robot_base_frame", robot))
-    message.header.frame_id = text(element, "odometry_frame", robot)
-    x, y, yaw = (number(element, f"covariance_{name}") for name in ("x", "y", "yaw"))
-    message.pose.covariance = message.twist.covariance = planar_covariance(x, y, yaw)
-    return message
+class ClassicOdometry:
+    """Publishes where a drive of Gazebo Classic says that its robot and its wheels are."""
 
+    def __init__(
+        self,
+        host: Host,
+        robot: RobotHandle,
+        element: Element,
+        node: Any,
+        wheels: Iterable[Joint] = (),
+    ) -> None:
+        """Open the topics; `wheels` are those whose transforms are published."""
+        self._host, self._robot, self._wheels = host, robot, tuple(wheels)
+        self._has_tf = boolean(element, "publish_odom_tf")
+        topics = topics_of(host, robot, element)
+        found = (("odometry", Odometry, 1), ("tf", TFMessage, 100))
+        self._publisher, self._tf = (  # None where the plugin is not to publish them
+            host.publisher(robot, kind, topics[use], node=node, depth=depth)
+            if use in topics
+            else None
+            for use, kind, depth in found
+        )
+        base = text(element, "robot_base_frame", robot)
+        self._message = message = Odometry(child_frame_id=base)
+        message.header.frame_id = text(element, "odometry_frame", robot)
+        x, y, yaw = (number(element, f"covariance_{name}") for name in ("x", "y", "yaw"))
+        message.pose.covariance = message.twist.covariance = planar_covariance(x, y, yaw)
+        self._transforms = TFMessage(transforms=[TransformStamped(child_frame_id=base)])
 
-def classic_publishers(
-    host: Host, robot: RobotHandle, element: Element, node: Any
-) -> tuple[Any, Any]:
-    """Those of odometry and transforms; None where the plugin is not to publish them."""
-    topics = topics_of(host, robot, element)
-    found = (("odometry", Odometry, 1), ("tf", TFMessage, 100))
-    odometry, tf = (
-        host.publisher(robot, kind, topics[use], node=node, depth=depth) if use in topics else None
-        for use, kind, depth in found
-    )
-    return odometry, tf
+    @property
+    def is_wanted(self) -> bool:
+        """Whether anybody reads it."""
+        return any(one is not None and one.is_wanted for one in (self._publisher, self._tf))
+
+    def publish_true(self) -> None:
+        """Publish where the robot is in the world, and its velocity along its heading."""
+        state = self._robot.state()
+        linear, angular = self._robot.root_velocity()
+        ahead = in_heading(yaw_of(state.xyzw), linear)
+        self.publish(state.xyz, state.xyzw, ahead, angular[2])
+
+    def publish(
+        self, xyz: Vector, xyzw: Quaternion, speed: tuple[float, float], turning: float
+    ) -> None:
+        """Publish a place, the speed ahead and to the left (m/s), and the turning (rad/s)."""
+        message = self._message
+        message.header.stamp = self._host.stamp()
+        set_pose(message.pose.pose, xyz, xyzw)
+        set_twist(message.twist.twist, (*speed, 0.0), (0.0, 0.0, turning))
+        if self._publisher is not None:
+            self._publisher.publish(message)
+        if self._tf is None or not self._tf.is_wanted:
+            return
+        if self._has_tf:
+            transform = self._transforms.transforms[0]
+            transform.header = message.header
+            set_transform(transform.transform, xyz, xyzw)
+            self._tf.publish(self._transforms)
+        if self._wheels:
+            self._tf.publish(TFMessage(transforms=self._wheel_transforms(message.header.stamp)))
+
+    def _wheel_transforms(self, stamp: Any) -> list[Any]:
+        """From the robot to its wheels, each below the name of the link that carries it."""
+        poses, made = self._robot.link_poses(), []
+        from_world = invert(poses[self._robot.robot.root])
+        for joint in self._wheels:
+            message = TransformStamped(child_frame_id=joint.child)
+            message.header.stamp, message.header.frame_id = stamp, joint.parent
+            set_transform_to(message.transform, compose(from_world, poses[joint.child]))
+            made.append(message)
+        return made

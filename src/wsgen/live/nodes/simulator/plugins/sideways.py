@@ -13,23 +13,17 @@ import math
 from collections import deque
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from geometry_msgs.msg import TransformStamped, Twist
-from tf2_msgs.msg import TFMessage
+from geometry_msgs.msg import Twist
 
 from wsgen.live.nodes.simulator.elements import number, topics_of, vector
 from wsgen.live.nodes.simulator.host import Plugin
 from wsgen.live.nodes.simulator.messages import (
     can_follow_twist,
-    in_heading,
-    set_pose,
-    set_transform,
-    set_twist,
     yaw_of,
 )
 from wsgen.live.nodes.simulator.plugins.drives import (
+    ClassicOdometry,
     DrivePublisher,
-    classic_odometry,
-    classic_publishers,
     driven_joints,
     length,
     limits,
@@ -64,11 +58,7 @@ class PlanarMove(Plugin):
         self._command = (0.0, 0.0, 0.0)  # m/s, m/s, rad/s
         topics = topics_of(host, robot, element)
         host.subscription(robot, Twist, topics["command"], self._take, node=self._node, depth=1)
-        self._publisher, self._tf = classic_publishers(host, robot, element, self._node)
-        self._odometry = classic_odometry(robot, element)
-        self._transforms = TFMessage(
-            transforms=[TransformStamped(child_frame_id=self._odometry.child_frame_id)]
-        )
+        self._odometry = ClassicOdometry(host, robot, element, self._node)
 
     def _take(self, message: Any) -> None:
         if can_follow_twist(self._host, message, self._node.resolve_topic_name("cmd_vel")):
@@ -85,23 +75,8 @@ class PlanarMove(Plugin):
                 (ahead * cos - left * sin, left * cos + ahead * sin, 0.0), (0.0, 0.0, turning)
             )
         if self._publishing.is_due(now) and not self._is_silent:
-            self._publish()
+            self._odometry.publish_true()
         self.period = until_next(now, self._control, self._publishing)
-
-    def _publish(self) -> None:
-        message, state = self._odometry, self._robot.state()
-        linear, angular = self._robot.root_velocity()
-        message.header.stamp = self._host.stamp()
-        set_pose(message.pose.pose, state.xyz, state.xyzw)
-        ahead, left = in_heading(yaw_of(state.xyzw), linear)
-        set_twist(message.twist.twist, (ahead, left, 0.0), (0.0, 0.0, angular[2]))
-        if self._publisher is not None:
-            self._publisher.publish(message)
-        if self._tf is not None:
-            transform = self._transforms.transforms[0]
-            transform.header = message.header
-            set_transform(transform.transform, state.xyz, state.xyzw)
-            self._tf.publish(self._transforms)
 
     def reset(self) -> None:
         """Stand still."""
