@@ -50,12 +50,18 @@ WORLD = (
     "</world></sdf>"
 )
 # Fifty iterations, ODE's default, do not solve what is between skidding wheels and the ground.
-ITERATED = "<physics type='ode'><ode><solver><iters>1000</iters></solver></ode></physics>"
-SOLVED = ", solved"
+SOLVED, SOFT, SLOW = ", solved", ", on contacts that give way", ", slowly corrected"
+PHYSICS = {
+    SOLVED: "<solver><iters>1000</iters></solver>",
+    SOFT: "<constraints><cfm>0.00001</cfm></constraints>",
+    SLOW: "<constraints><contact_max_correcting_vel>2</contact_max_correcting_vel></constraints>",
+}
 WEAK, STRONG = "four wheels", "four strong wheels"
 # Its friction turns with the wheels in Gazebo Classic, out of the ground; MuJoCo projects it.
 DIRECTED = "four wheels with a direction"
 SKIDS = STRONG + SOLVED
+CASTERS = "two casters"
+OF_SOLVER = (SKIDS, CASTERS + SOFT, CASTERS + SOLVED, "diff_drive" + SLOW)
 # A few in MuJoCo, and in DART, which is not Gazebo Classic's.
 RUNS = [
     *(
@@ -140,9 +146,11 @@ def driven(
 
 def ask(name: str, folder: Path) -> Places:
     """Where Gazebo Classic's motors drive it."""
-    one = subject(name.removesuffix(SOLVED), folder)
+    name, comma, how = name.partition(",")
+    one = subject(name, folder)
     world, file = folder / "w.world", folder / "r.urdf"
-    world.write_text(WORLD.format(ITERATED if name.endswith(SOLVED) else ""))
+    physics = f"<physics type='ode'><ode>{PHYSICS[comma + how]}</ode></physics>" if how else ""
+    world.write_text(WORLD.format(physics))
     # Sensors are no matter here, and take time.
     file.write_text(re.sub(r"<sensor.*?</sensor>", "", one.urdf, flags=re.DOTALL))
     with GazeboClassic(world) as gazebo:
@@ -269,7 +277,7 @@ def recorded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
     return recorded_in(
         RECORDED,
         request,
-        (*TEMPLATES, *ROVERS, SKIDS, *PLUGINS),
+        (*TEMPLATES, *ROVERS, *OF_SOLVER, *PLUGINS),
         lambda name: PLUGINS[name](folder) if name in PLUGINS else ask(name, folder),
     )
 
@@ -313,6 +321,24 @@ def test_fifty_iterations_do_not_solve_skidding(recorded: Any) -> None:
     """Wheels lag behind their motors, the more so the weaker these are."""
     weak, strong, solved = (way(recorded[one], TURN)[1] for one in (WEAK, STRONG, SKIDS))
     assert weak < 0.8 * strong < 0.7 * solved
+
+
+def test_the_solver_chooses_where_the_weight_is_on_more_than_three_points(
+    recorded: Any, tmp_path: Path
+) -> None:
+    """Where contacts give way a little it is decided, and as here; solved, wheels carry nothing."""
+    soft, hard = (way(recorded[one], TURN)[1] for one in (CASTERS + SOFT, CASTERS))
+    ours = way(simulated("bullet", subject(CASTERS, tmp_path)), TURN)[1]
+    assert soft > 1.15 * hard
+    assert ours == pytest.approx(soft, rel=0.04)
+    assert way(recorded[CASTERS + SOLVED], AHEAD)[0] < 0.01
+
+
+def test_wheels_turn_no_faster_than_contacts_are_corrected(recorded: Any, tmp_path: Path) -> None:
+    """By as many rad/s as <contact_max_correcting_vel> says, for ODE corrects motors with it."""
+    (pair,) = subject("diff_drive", tmp_path).drive.pairs
+    slow, fast = (way(recorded[one], AHEAD)[0] for one in ("diff_drive" + SLOW, "diff_drive"))
+    assert slow == pytest.approx(fast * 2 / (0.5 / pair.radius), rel=0.05)
 
 
 def test_gazebos_own_plugin_drives_as_far(recorded: Any) -> None:

@@ -14,6 +14,7 @@ import pytest
 from classic.gazebo_classic import NEEDS_CLASSIC, GazeboClassic, recorded_in
 from classic.worlds import ENGINES, SURFACES, not_followed, simulated, world_of
 from wsgen.checks.rules.settings import FRICTION_DIRECTION, MIN_DEPTH, SOFT
+from wsgen.model.engines import ENGINES as SPECS
 
 if TYPE_CHECKING:
     from classic.worlds import Body
@@ -28,6 +29,7 @@ DIFFERENT = {
     "mu 0.5, mu2 0.1, down along 0 degrees": (ONE_WAY, ("dart",)),
     "mu 0.5, mu2 0.1, down along 45 degrees": (ONE_WAY, ("dart",)),
     "fdir1, mu 0.5, mu2 0.1, down along 90 degrees": not_followed(FRICTION_DIRECTION),
+    "slip2 0.1, 10 degrees": ("with <slip1> and <slip2>, friction lets go there", tuple(SPECS)),
     "rests on a soft surface": not_followed(SOFT),
     "5 mm deep": ("DART pushes it out more slowly", ("dart",)),
     "5 mm deep, with min_depth": not_followed(MIN_DEPTH),

@@ -43,6 +43,7 @@ class Body(NamedTuple):
     ground: float | None = 100.0  # its friction; None: Gazebo's default
     seconds: float = 1.0
     more: str = ""  # of the link
+    constraints: str = ""  # of ODE, in the world
 
 
 def friction(mu: float, mu2: float | None = None, more: str = "") -> str:
@@ -113,7 +114,17 @@ SURFACES = {
         height=0.6,
         seconds=0.55,
     ),
+    **{
+        f"slip2 {slip:g}, 10 degrees": Body(
+            surface=friction(1, 1, f"<slip2>{slip}</slip2>"), gravity=down(10), seconds=2.0
+        )
+        for slip in (0.001, 0.1)
+    },
     "rests": Body(seconds=2.0),
+    **{
+        f"rests where {tag} is {value:g}": Body(seconds=2.0, constraints=f"<{tag}>{value}</{tag}>")
+        for tag, value in (("cfm", 0.001), ("erp", 0.8), ("contact_surface_layer", 0.01))
+    },
     "rests on a soft surface": Body(
         surface="<contact><ode><kp>1000</kp><kd>10</kd></ode></contact>", seconds=2.0
     ),
@@ -131,6 +142,7 @@ def world_of(one: Body) -> str:
     moment = 0.01 if one.shape == BOX else 0.004
     return f"""<?xml version="1.0"?>
 <sdf version="1.6"><world name="w">
+  <physics type="ode"><ode><constraints>{one.constraints}</constraints></ode></physics>
   <gravity>{" ".join(f"{part:.9g}" for part in one.gravity)}</gravity>
   <model name="floor"><static>true</static><link name="link"><collision name="c">
     <geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry>

@@ -11,8 +11,8 @@ import pytest
 from urdf_texts import MASS, joint, link, robot, shape
 from wsgen.checks.rules.settings import (
     SETTINGS,
-    iterations_not_simulated,
     settings_not_simulated,
+    solver_not_simulated,
 )
 from wsgen.descriptions.urdf.lumping import lump
 from wsgen.descriptions.urdf.reader import read_urdf
@@ -101,8 +101,18 @@ def test_iterations_matter_for_wheels_that_skid(
 ) -> None:
     drive = DiffDrive(simulator="classic", pairs=(PAIR,) * pairs)
     world = replace(WORLD, iterations=(iterations, 7))
-    found = list(iterations_not_simulated(world, [None, drive], ALL))
+    found = list(solver_not_simulated(world, [None, drive], ALL))
     assert [one.line for one in found] == [7] * count
+
+
+@pytest.mark.parametrize(("pairs", "speed", "count"), [(1, 0.1, 1), (0, 0.1, 0), (1, 100.0, 0)])
+def test_wheels_turn_no_faster_than_contacts_are_corrected(
+    pairs: int, speed: float, count: int
+) -> None:
+    drive = DiffDrive(simulator="classic", pairs=(PAIR,)) if pairs else None
+    world = World(name="w", simulator="classic", correcting_speed=(speed, 9))
+    found = list(solver_not_simulated(world, [drive], ALL))
+    assert [(one.line, "(0.1)" in one.message) for one in found] == [(9, True)] * count
 
 
 def test_the_element_is_that_of_the_link_that_is_named() -> None:

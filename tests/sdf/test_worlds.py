@@ -58,6 +58,17 @@ def test_the_tutorials_world(tmp_path: Path) -> None:
     assert [model.name for model in read.models] == ["ground_plane"]
 
 
+def test_settings_of_ode(tmp_path: Path) -> None:
+    text = world(
+        "<physics><ode>\n<solver><iters>20</iters></solver>\n<constraints>\n"
+        "<contact_max_correcting_vel>0.1</contact_max_correcting_vel></constraints></ode></physics>"
+    )
+    found, _ = read_world(write(tmp_path, text))
+    assert found is not None
+    (iterations, first), (speed, second) = found.iterations, found.correcting_speed
+    assert (iterations, speed, (second or 0) - (first or 0)) == (20, 0.1, 2)
+
+
 def test_gravity_and_step_of_the_world(tmp_path: Path) -> None:
     text = world(
         "<gravity>0 0 -1.62</gravity><physics><max_step_size>0.002</max_step_size></physics>"

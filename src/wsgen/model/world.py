@@ -43,7 +43,9 @@ class World:
     file: Path | None = None  # None: the empty world that wsgen supplies
     gravity: tuple[float, float, float] = (0.0, 0.0, -9.8)  # m/s²
     step: float = 0.001  # s, of the physics engine
-    iterations: tuple[int | None, int | None] = (None, None)  # of ODE's solver, and their line
+    iterations: tuple[float | None, int | None] = (None, None)  # of ODE's solver, and their line
+    # <contact_max_correcting_vel>, and its line.
+    correcting_speed: tuple[float | None, int | None] = (None, None)
     models: tuple[PlacedModel, ...] = ()
     has_ground_plane: bool = False  # a plane at z = 0 that carries the robots
     ground_friction: float = 1.0  # its coefficient; of it and the other one, the smaller counts

@@ -10,7 +10,7 @@ from wsgen.checks.rules.catalogue import unknown_rule_allowed, without_allowed
 from wsgen.checks.rules.consequences import without_explained
 from wsgen.checks.rules.drives import friction_without_direction
 from wsgen.checks.rules.entities import spawned_twice
-from wsgen.checks.rules.settings import iterations_not_simulated
+from wsgen.checks.rules.settings import solver_not_simulated
 from wsgen.checks.rules.worlds import (
     UNKNOWN_WORLD,
     is_folder_reported,
@@ -201,7 +201,7 @@ class Validation:
             self.diagnostics += self._as_written(lacking)
         for robot in (*models, *prepared):
             self.diagnostics += friction_without_direction(robot.lumped, self.request.engines)
-        self.diagnostics += iterations_not_simulated(
+        self.diagnostics += solver_not_simulated(
             world, (robot.drive for robot in prepared), context.engines
         )
         robots = [*without_taken(models, [robot.entity for robot in prepared]), *prepared]

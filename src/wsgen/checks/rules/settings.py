@@ -26,6 +26,7 @@ CORNERS = 4  # that carry a robot
 WEIGHT = math.hypot(*World(name="").gravity)  # N/kg
 SOLVED = 1000  # iterations, with which a robot skids as in the engines
 SKIDS = 2  # pairs of wheels
+FAST = 10.0  # rad/s, that a drive seldom turns wheels by
 
 
 class Setting(NamedTuple):
@@ -100,13 +101,19 @@ ITERATIONS = Setting(
     "wheels that skid turn a robot less far, for its solver does not finish",
     "less than 1000, with four driven wheels",
 )
+CORRECTING = Setting(
+    "`<contact_max_correcting_vel>`",
+    (),
+    "motors turn wheels by no more rad/s than this",
+    "less than 10, with driven wheels",
+)
 FRICTION_DIRECTION = Setting(
     "`<fdir1>`",
     ("mujoco",),
     "friction has other directions than those of the world",
     "on wheels, as `friction-direction-not-simulated`",
 )
-SETTINGS = (SOFT, MIN_DEPTH, STOPS, KINEMATIC, ITERATIONS, FRICTION_DIRECTION)
+SETTINGS = (SOFT, MIN_DEPTH, STOPS, KINEMATIC, ITERATIONS, CORRECTING, FRICTION_DIRECTION)
 
 
 def without(setting: Setting, engines: Iterable[str]) -> tuple[str, ...]:
@@ -161,22 +168,30 @@ def settings_not_simulated(
         )
 
 
-def iterations_not_simulated(
+def solver_not_simulated(
     world: World, drives: Iterable[DiffDrive | None], engines: Sequence[str]
 ) -> Iterator[Diagnostic]:
-    """Report a world for Gazebo Classic whose solver stops before wheels skid as here."""
-    lacking = without(ITERATIONS, engines)
-    iterations, line = world.iterations
-    if iterations is None or iterations >= SOLVED or not lacking:
-        return
-    if any(drive is not None and len(drive.pairs) >= SKIDS for drive in drives):
-        yield SETTING_NOT_SIMULATED.at(
-            world.file,
-            line,
-            "physics/ode/solver/iters",
-            message=_message(ITERATIONS, lacking, f"the world `{world.name}` ({iterations})"),
-            hint=_hint(ITERATIONS),
-        )
+    """Report what a world for Gazebo Classic says of ODE's solver, where wheels turn otherwise."""
+    pairs = [len(drive.pairs) for drive in drives if drive is not None]
+    for setting, (value, line), enough, matters, path in (
+        (ITERATIONS, world.iterations, SOLVED, any(one >= SKIDS for one in pairs), "solver/iters"),
+        (
+            CORRECTING,
+            world.correcting_speed,
+            FAST,
+            bool(pairs),
+            "constraints/contact_max_correcting_vel",
+        ),
+    ):
+        lacking = without(setting, engines)
+        if value is not None and value < enough and matters and lacking:
+            yield SETTING_NOT_SIMULATED.at(
+                world.file,
+                line,
+                f"physics/ode/{path}",
+                message=_message(setting, lacking, f"the world `{world.name}` ({value:g})"),
+                hint=_hint(setting),
+            )
 
 
 def _message(setting: Setting, lacking: Sequence[str], where: str) -> str:

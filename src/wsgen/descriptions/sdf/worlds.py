@@ -142,7 +142,8 @@ def describe_world(
         file=source.file,
         gravity=_gravity(source, element),
         step=_step(source, element),
-        iterations=_iterations(source, element),
+        iterations=_of_ode(source, element, "solver", "iters"),
+        correcting_speed=_of_ode(source, element, "constraints", "contact_max_correcting_vel"),
         models=tuple(models),
         has_ground_plane=ground_friction is not None,
         ground_friction=DEFAULT_WORLD.ground_friction
@@ -193,13 +194,13 @@ def _gravity(source: Source, world: Element) -> tuple[float, float, float]:
     return DEFAULT_WORLD.gravity
 
 
-def _iterations(source: Source, world: Element) -> tuple[int | None, int | None]:
-    """Of ODE's solver in one step, if that is said, and the line."""
+def _of_ode(source: Source, world: Element, *tags: str) -> tuple[float | None, int | None]:
+    """A number of ODE's settings, if that is said, and the line."""
     for physics in children(world, "physics"):
-        element = first(physics, "ode", "solver", "iters")
+        element = first(physics, "ode", *tags)
         numbers = None if element is None else read_numbers(source, element, 1)
         if element is not None and numbers:
-            return int(numbers[0]), line_of(element)
+            return numbers[0], line_of(element)
     return None, None
 
 
