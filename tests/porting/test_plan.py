@@ -117,6 +117,9 @@ def test_files_that_git_does_not_have_are_not_changed(
     assert (package / "package.xml").read_text(encoding="utf-8") == before
     assert run(["port", str(package), "--to", "jazzy", "--force"]) == 0
     assert "ros_gz_sim" in (package / "package.xml").read_text(encoding="utf-8")
+    capsys.readouterr()
+    assert run(["port", str(package), "--to", "jazzy"]) == 0  # what is not committed is the port
+    assert "Nothing to port" in capsys.readouterr().out
 
 
 @pytest.mark.slow

@@ -78,12 +78,12 @@ def command(
 
     _refuse_useless(is_proof=is_proof, before=before, writes=diff or force)
     targets = find_targets([Path(path) for path in paths], workspace)
-    if not (diff or force or is_proof):
-        refuse_unsaved(package.path for package in targets.packages)
     target = Target(distro=distro, simulator=SIM)
     if is_proof:
         return _prove(targets, target, before, quiet=quiet, verbose=verbose)
     plan = plan_port(targets, target, os.environ)
+    if (plan.files or plan.created) and not (diff or force):
+        refuse_unsaved(package.path for package in targets.packages)
     if diff or verbose:
         _print_diff(plan)
     if diff:
