@@ -163,3 +163,26 @@ def test_gravity_that_pulls_nothing_down(tmp_path: Path, gravity: str) -> None:
     assert read.gravity == tuple(map(float, gravity.split()))
     assert [(found.code, found.line) for found in diagnostics] == [("WLD045", 3)]
     assert codes(tmp_path, world(f"{ground}\n<gravity>0 0 -1e9</gravity>")) == [("ROB016", 3)]
+
+
+SAVED = """
+<model name="box"><static>true</static><pose>1 0 0 0 0 0</pose><link name="l"><collision name="c">
+<geometry><sphere><radius>0.1</radius></sphere></geometry></collision></link></model>
+<state world_name="w"><model name="box"><pose frame="">0 5 0 0 0 0</pose></model>
+<model name="gone"><pose>0 0 0 0 0 0</pose></model></state>
+"""
+
+
+@pytest.mark.parametrize(
+    ("plugin", "place"),
+    [
+        ("", (0.0, 5.0, 0.0)),
+        ('<plugin filename="gz-sim-physics-system" name="gz::sim::systems::Physics"/>', (1, 0, 0)),
+    ],
+)
+def test_a_saved_state_places_models_in_gazebo_classic(
+    tmp_path: Path, plugin: str, place: tuple[float, float, float]
+) -> None:
+    read, _ = read_world(write(tmp_path, world(plugin + SAVED)))
+    assert read is not None
+    assert [model.pose_in_world.xyz for model in read.models] == [place]

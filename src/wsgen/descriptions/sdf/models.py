@@ -30,6 +30,7 @@ from wsgen.descriptions.sdf.source import line_of, load, parse_text, with_versio
 from wsgen.descriptions.sdf.values import first, read_pose, truth, word
 from wsgen.descriptions.sdf.worlds import check_ground, describe_world
 from wsgen.diagnostics import Measured, Rule, Severity
+from wsgen.gazebo.systems import is_of_gz
 from wsgen.model.robot import Mesh
 from wsgen.model.transform import IDENTITY, Pose, compose
 from wsgen.model.world import PlacedModel
@@ -128,6 +129,17 @@ MOST_PARTS = 60_000  # links, joints, frames and models of a file with all that 
 Trail = tuple["Path", ...]  # the files that lead to an element
 
 
+def _saved_models(world: Element) -> dict[str, Element]:
+    """What <state> has of models: Gazebo Classic puts them there; Gazebo Sim does not read it."""
+    if any(is_of_gz(one.get("filename") or "") for one in children(world, "plugin")):
+        return {}
+    return {
+        model.get("name") or "": model
+        for state in children(world, "state")
+        for model in children(state, "model")
+    }
+
+
 class Contents:
     """Reads worlds and models, with the models that they include, into scopes."""
 
@@ -139,6 +151,10 @@ class Contents:
         """A world, with its models."""
         scope = Scope(element.get("name") or "default", source=source, element=element)
         self._fill(scope, _start(source))
+        for name, saved in _saved_models(element).items():
+            node = scope.nodes.get(name)
+            if node is not None and node.kind == "model" and first(saved, "pose") is not None:
+                node.pose, node.relative_to = read_pose(source, saved)
         return scope
 
     def alone(self, source: Source, element: Element) -> Scope:
