@@ -114,7 +114,7 @@ def test_what_a_diff_drive_of_classic_publishes_of_its_wheels() -> None:
     assert message.twist.twist.linear.x == pytest.approx(0.5)
     assert message.twist.twist.angular.z == pytest.approx(0.25)
     assert message.pose.covariance[0] == 0.5
-    odometry, wheels = ros.published("/tf")[-2:]
+    wheels, odometry = ros.published("/tf")[-2:]
     assert odometry.transforms[0].child_frame_id == "b"
     assert [one.child_frame_id for one in wheels.transforms] == ["left_wheel", "right_wheel"]
     assert {one.header.frame_id for one in wheels.transforms} == {"base"}

@@ -192,13 +192,13 @@ class ClassicOdometry:
             self._publisher.publish(message)
         if self._tf is None or not self._tf.is_wanted:
             return
+        if self._wheels:
+            self._tf.publish(TFMessage(transforms=self._wheel_transforms(message.header.stamp)))
         if self._has_tf:
             transform = self._transforms.transforms[0]
             transform.header = message.header
             set_transform(transform.transform, xyz, xyzw)
             self._tf.publish(self._transforms)
-        if self._wheels:
-            self._tf.publish(TFMessage(transforms=self._wheel_transforms(message.header.stamp)))
 
     def _wheel_transforms(self, stamp: Any) -> list[Any]:
         """From the robot to its wheels, each below the name of the link that carries it."""
