@@ -219,7 +219,9 @@ def test_a_batch_keeps_what_has_ended(
     document = json.loads(words)
     assert not document["complete"]
     assert not document["passed"]
-    assert [package["file"] for package in document["packages"]] == ["r.urdf"]
+    ended = [package["file"] for package in document["packages"]]
+    # With two jobs, the last one may have ended before the signal came.
+    assert ended == ["r.urdf"] or (jobs == "2" and ended == ["r.urdf", "last.urdf"])
     assert document["packages"][0]["passed"]
 
 
