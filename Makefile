@@ -38,7 +38,7 @@ quick: $(VENV)/.installed-for-tests
 # processes that find each other by DDS. Why it failed first stands at the end of the output.
 test: lint
 	@$(VENV)/bin/mypy >$(VENV)/mypy.txt 2>&1 & mypy=$$!; \
-	$(VENV)/bin/python -m pytest -n $$((2 * $$(nproc 2>/dev/null || echo 1))) \
+	$(VENV)/bin/python -m pytest -n $$((5 * $$(nproc 2>/dev/null || echo 1) / 2)) \
 	  --dist loadfile --no-loadscope-reorder --reruns 1 --rerun-except 'has grown to' $(PYTEST_ARGUMENTS); tests=$$?; \
 	wait $$mypy; types=$$?; cat $(VENV)/mypy.txt; exit $$((tests || types))
 
