@@ -9,20 +9,11 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.gazebo.plugins import stem
+from wsgen.gazebo.systems import library_of
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
-# Plugin of Gazebo Classic -> what Gazebo Sim has instead.
-SUCCESSORS = {
-    "gazebo_ros_diff_drive": "gz-sim-diff-drive-system",
-    "gazebo_ros_joint_state_publisher": "gz-sim-joint-state-publisher-system",
-    "gazebo_ros_ackermann_drive": "gz-sim-ackermann-steering-system",
-    "gazebo_ros_p3d": "gz-sim-odometry-publisher-system",
-    "gazebo_ros_planar_move": "gz-sim-velocity-control-system",
-    "gazebo_ros_ft_sensor": "gz-sim-forcetorque-system",
-    "gazebo_ros2_control": "gz_ros2_control-system",
-}
 # What moves the joints of a robot in Gazebo Sim.
 _DRIVES = (
     *("diff-drive", "ackermann-steering", "mecanum-drive", "tracked-vehicle", "velocity-control"),
@@ -70,26 +61,6 @@ FROM_ROS_1 = {
     "cameraInfoTopicName": "<ros><remapping>",
     "bodyName": "<body_name>",
     "torque": "<max_wheel_torque>",
-}
-# Plugin libraries that no ROS 2 release has, with what took their place.
-ROS_1_PLUGINS = {
-    "gazebo_ros_control": "libgazebo_ros2_control.so with <ros2_control> tags",
-    "gazebo_ros_skid_steer_drive": "libgazebo_ros_diff_drive.so with two wheel pairs",
-    "gazebo_ros_laser": "libgazebo_ros_ray_sensor.so",
-    "gazebo_ros_gpu_laser": "libgazebo_ros_ray_sensor.so",
-    "gazebo_ros_block_laser": "libgazebo_ros_ray_sensor.so",
-    "gazebo_ros_range": "libgazebo_ros_ray_sensor.so",
-    "gazebo_ros_imu": "libgazebo_ros_imu_sensor.so",
-    "gazebo_ros_depth_camera": "libgazebo_ros_camera.so",
-    "gazebo_ros_openni_kinect": "libgazebo_ros_camera.so",
-    "gazebo_ros_multicamera": "libgazebo_ros_camera.so",
-    "gazebo_ros_f3d": "libgazebo_ros_ft_sensor.so",
-    "gazebo_ros_joint_pose_trajectory_plugin": "libgazebo_ros_joint_pose_trajectory.so",
-    "gazebo_ros_joint_trajectory": "libgazebo_ros_joint_pose_trajectory.so",
-    "gazebo_mimic_joint_plugin": "<mimic> with gazebo_ros2_control",
-    "roboticsgroup_gazebo_mimic_joint_plugin": "<mimic> with gazebo_ros2_control",
-    "hector_gazebo_ros_imu": "libgazebo_ros_imu_sensor.so",
-    "hector_gazebo_ros_gps": "libgazebo_ros_gps_sensor.so",
 }
 
 
@@ -179,6 +150,15 @@ CONVERSIONS = {
         {},
     ),
 }
+# Plugin of Gazebo Classic -> what a robot has instead for Gazebo Sim.
+SUCCESSORS = {
+    **{
+        f"gazebo_ros_{name}": library_of(CONVERSIONS[f"gazebo_ros_{name}"].system)
+        for name in ("diff_drive", "joint_state_publisher", "ackermann_drive", "p3d", "planar_move")
+    },
+    "gazebo_ros_ft_sensor": library_of("ForceTorque"),
+    "gazebo_ros2_control": "gz_ros2_control-system",
+}
 # Parameters of the odometry of Classic's drives -> those of the publisher of Gazebo Sim, where the
 # odometry is the pose in the world.
 ODOMETRY = {"odometry_frame": "odom_frame", "robot_base_frame": "robot_base_frame"}
@@ -256,6 +236,14 @@ AS_IN_ROS_2 = {
         ("gazebo_ros_joint_pose_trajectory_plugin", "gazebo_ros_joint_trajectory"),
         "gazebo_ros_joint_pose_trajectory",
     ),
+}
+# Plugin libraries that no ROS 2 release has, with what took their place; Velodyne's are in both.
+ROS_1_PLUGINS = {
+    "gazebo_ros_control": "libgazebo_ros2_control.so with <ros2_control> tags",
+    **{old: f"lib{new}.so" for old, new in AS_IN_ROS_2.items() if "velodyne" not in old},
+    "gazebo_ros_skid_steer_drive": "libgazebo_ros_diff_drive.so with two wheel pairs",
+    "gazebo_mimic_joint_plugin": "<mimic> with gazebo_ros2_control",
+    "roboticsgroup_gazebo_mimic_joint_plugin": "<mimic> with gazebo_ros2_control",
 }
 # Their parameters -> those of ROS 2, where snake case is not it.
 PARAMETERS_OF_ROS_1 = {

@@ -84,10 +84,14 @@ def loaded_class(filename: str, name: str) -> str | None:
     return written[1] if written is not None and written[1] in classes else None
 
 
+def library_of(system: str) -> str:
+    """The library that holds a system, by its class."""
+    return f"gz-sim-{next(name for name, classes in systems().items() if system in classes)}-system"
+
+
 def plugin_of(system: str) -> str:
     """The element that loads a system, by its class."""
-    library = next(name for name, classes in systems().items() if system in classes)
-    return f'<plugin filename="gz-sim-{library}-system" name="gz::sim::systems::{system}"/>'
+    return f'<plugin filename="{library_of(system)}" name="gz::sim::systems::{system}"/>'
 
 
 def is_of_gz(filename: str, name: str = "") -> bool:
