@@ -50,7 +50,8 @@ DEFAULT_SYSTEMS = ("Physics", SPAWNING, "SceneBroadcaster")
 # The distributions whose Gazebo adds them to those of a world (SimulationRunner.cc of gz-sim9).
 WITH_MERGED_DEFAULTS = ("kilted", "lyrical", "rolling")
 # Those of the worlds that Gazebo ships and people start robots in.
-OF_SHIPPED_WORLDS = {"empty.sdf": (*DEFAULT_SYSTEMS, "Contact")}
+EMPTY_WORLD = "empty.sdf"
+OF_SHIPPED_WORLDS = {EMPTY_WORLD: (*DEFAULT_SYSTEMS, "Contact")}
 MOST_LETTERS = 2  # more or fewer of a misspelled name
 SURELY = 0.8  # so alike two names are, as difflib counts, that one is the other misspelled
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.checks.fixes.build_files import add_to_data_files, install_beside, read_commands
 from wsgen.checks.fixes.source import Edit, join_additions
+from wsgen.gazebo.successors import VARIABLES
 from wsgen.porting.manifests import MESSAGES, SUCCESSORS, code_with, naming
 from wsgen.porting.ported import FilePort, Unported
 from wsgen.text.files import read_regular
@@ -62,12 +63,6 @@ _EMPTY = {
     "list": 2,
 }
 _SOURCE_LIMIT = 2**20  # bytes
-# Variable of Gazebo Classic -> that of Gazebo Sim.
-VARIABLES = {
-    "GAZEBO_MODEL_PATH": "GZ_SIM_RESOURCE_PATH",
-    "GAZEBO_RESOURCE_PATH": "GZ_SIM_RESOURCE_PATH",
-    "GAZEBO_PLUGIN_PATH": "GZ_SIM_SYSTEM_PLUGIN_PATH",
-}
 
 
 def port_cmake(source: SourceText, folders: Collection[str] = ()) -> FilePort:

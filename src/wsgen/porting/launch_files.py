@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.checks.fixes.launch_files import RENAMED, name_of, tree_of
 from wsgen.checks.fixes.source import Edit
 from wsgen.checks.rules.controllers import MANAGER
+from wsgen.gazebo.successors import VARIABLES
+from wsgen.gazebo.systems import EMPTY_WORLD
 from wsgen.launching.spawner_options import CREATE, SPAWN_ENTITY, SPAWNERS
 from wsgen.model.facts import PROGRAMS, ROS2_CONTROL_HARDWARE
 from wsgen.model.target import CLASSIC, SIM
@@ -40,12 +42,6 @@ _HELP = f"ros2 run {PACKAGE} {SPAWNER} --help"
 CLIENT = "-g "
 PARTS = {"gazebo": "", "gzserver": "-s ", "gzclient": CLIENT}
 FILES = {f"{name}.launch.py": part for name, part in PARTS.items()}
-# Environment variable of Gazebo Classic -> that of Gazebo Sim.
-VARIABLES = {
-    "GAZEBO_MODEL_PATH": "GZ_SIM_RESOURCE_PATH",
-    "GAZEBO_RESOURCE_PATH": "GZ_SIM_RESOURCE_PATH",
-    "GAZEBO_PLUGIN_PATH": "GZ_SIM_SYSTEM_PLUGIN_PATH",
-}
 # Texts that are other ones for Gazebo Sim, wherever they stand.
 NAMES = {**VARIABLES, ROS2_CONTROL_HARDWARE[CLASSIC][1]: ROS2_CONTROL_HARDWARE[SIM][1]}
 # Launch argument of gazebo_ros -> what `gz_args` has for it where it is true, and where it is not.
@@ -295,7 +291,7 @@ class _Port(PythonEdits):
 
     def _default_world(self) -> str:
         if self.context.default_world is None:
-            return self.quoted("empty.sdf")
+            return self.quoted(EMPTY_WORLD)
         self.files.add(self.context.default_world)
         self.imports += [
             "from launch.substitutions import PathJoinSubstitution",

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.fixes.source import Edit, join_additions
 from wsgen.checks.rules.controllers import MANAGER
+from wsgen.gazebo.successors import VARIABLES
+from wsgen.gazebo.systems import EMPTY_WORLD
 from wsgen.launching.spawner_options import CREATE, SPAWN_ENTITY
 from wsgen.porting.bridges import BRIDGE, BRIDGE_PACKAGE, CLOCK, STAMPER, option, parted, renamed
 from wsgen.porting.launch_files import (
@@ -33,7 +35,6 @@ from wsgen.porting.launch_files import (
     SWITCHES,
     TRUE,
     UNKNOWN_ROBOT,
-    VARIABLES,
     WITHOUT_LOSS,
     option_of,
 )
@@ -143,7 +144,7 @@ class _Markup:
     def default_world(self) -> str:
         """The world that takes the place of Classic's default one."""
         if self.context.default_world is None:
-            return "empty.sdf"
+            return EMPTY_WORLD
         self.files.add(self.context.default_world)
         return f"$(find-pkg-share {self.context.package})/{self.context.default_world}"
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.fixes.plan import FileFix, is_whole
 from wsgen.checks.fixes.source import Edit, apply, overlap, read_source
+from wsgen.gazebo.systems import EMPTY_WORLD
 from wsgen.isolation.parent import make_scratch
 from wsgen.packages.workspace.layout import BUILD_MARKERS, LAUNCH_FILES
 from wsgen.packages.workspace.settings import FILE as SETTINGS
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
     from wsgen.porting.ported import BridgeRow
 
 
-DEFAULT_WORLD = "worlds/empty.sdf"
+DEFAULT_WORLD = f"worlds/{EMPTY_WORLD}"
 _MARKUP = (".launch", ".launch.xml", ".launch.yaml", ".launch.yml")
 _OF_XML = (".urdf", ".xacro", ".gazebo", ".sdf", ".world", ".xml", ".trans", ".urdf.in")
 _ROBOT, _SDF, _WORLD, _LAUNCH = (
