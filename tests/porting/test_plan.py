@@ -211,3 +211,16 @@ def test_the_topics_of_a_robot_in_the_world_are_bridged(tmp_path: Path) -> None:
     assert "'/scan@sensor_msgs/msg/LaserScan[gz.msgs.LaserScan'" in launch_file
     world = (package / "worlds" / "w.world").read_text(encoding="utf-8")
     assert "gz::sim::systems::Sensors" in world
+
+
+@pytest.mark.slow
+def test_a_file_is_not_ported_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    package = make(tmp_path, "simple-humble-classic")
+    robot = package / "model" / "robot.xacro"
+    alone = tmp_path / "alone.urdf"
+    shutil.copy(robot, alone)
+    for command in (["port"], ["check"]):
+        assert run([*command, str(robot), "--to", "jazzy"]) == 2
+        assert f"Give its package: {package}" in capsys.readouterr().err
+        assert run([*command, str(alone), "--to", "jazzy"]) == 2
+        assert "Give the folder of a package" in capsys.readouterr().err

@@ -77,7 +77,7 @@ def command(
     from wsgen.porting.write import refuse_unsaved, write_port
 
     _refuse_useless(is_proof=is_proof, before=before, writes=diff or force)
-    targets = find_targets([Path(path) for path in paths], workspace)
+    targets = _require_packages(find_targets([Path(path) for path in paths], workspace))
     target = Target(distro=distro, simulator=SIM)
     if is_proof:
         return _prove(targets, target, before, quiet=quiet, verbose=verbose)
@@ -178,6 +178,24 @@ def _print_diff(plan: PortPlan) -> None:
     print_diff([*created, *plan.files])
 
 
+def _require_packages(targets: Targets) -> Targets:
+    """The packages to port.
+
+    Raises:
+        RequestError: A path is a file, a part of a package, or installed.
+    """
+    other = next(iter((*targets.files, *targets.only, *targets.prefixes)), None)
+    if other is not None:
+        package = next(
+            (one.path for one in targets.packages if other.is_relative_to(one.path)), None
+        )
+        raise RequestError(
+            f"{other} is not a package: the files of a package are ported together.",
+            hint=f"Give its package: {package}" if package else "Give the folder of a package.",
+        )
+    return targets
+
+
 def preview(paths: tuple[str, ...], workspace: str | None, distro: str) -> int:
     """List what a port would change, by file and line; gives the exit code."""
     import os
@@ -190,7 +208,7 @@ def preview(paths: tuple[str, ...], workspace: str | None, distro: str) -> int:
     from wsgen.pipeline.check import find_targets
     from wsgen.porting.plan import plan_port
 
-    targets = find_targets([Path(path) for path in paths], workspace)
+    targets = _require_packages(find_targets([Path(path) for path in paths], workspace))
     plan = plan_port(targets, Target(distro=distro, simulator=SIM), os.environ)
     for file, _ in plan.created:
         echo(f"{short_path(file)}: new")
