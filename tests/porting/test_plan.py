@@ -222,5 +222,7 @@ def test_a_file_is_not_ported_alone(tmp_path: Path, capsys: pytest.CaptureFixtur
     for command in (["port"], ["check"]):
         assert run([*command, str(robot), "--to", "jazzy"]) == 2
         assert f"Give its package: {package}" in capsys.readouterr().err
+        assert run([*command, str(package), str(alone), "--to", "jazzy"]) == 2
+        assert f"{alone} is not a package" in capsys.readouterr().err
         assert run([*command, str(alone), "--to", "jazzy"]) == 2
         assert "Give the folder of a package" in capsys.readouterr().err

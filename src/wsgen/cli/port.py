@@ -184,11 +184,11 @@ def _require_packages(targets: Targets) -> Targets:
     Raises:
         RequestError: A path is a file, a part of a package, or installed.
     """
-    other = next(iter((*targets.files, *targets.only, *targets.prefixes)), None)
+    folders = [package.path for package in targets.packages]
+    given = (*targets.files, *targets.only, *targets.prefixes)
+    other = next((one for one in given if one not in folders), None)
     if other is not None:
-        package = next(
-            (one.path for one in targets.packages if other.is_relative_to(one.path)), None
-        )
+        package = next((one for one in folders if other.is_relative_to(one)), None)
         raise RequestError(
             f"{other} is not a package: the files of a package are ported together.",
             hint=f"Give its package: {package}" if package else "Give the folder of a package.",
