@@ -17,7 +17,8 @@ from wsgen.checks.rules.node_topics import topics_of
 from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.diagnostics import Severity
 from wsgen.model.target import choose_target
-from wsgen.porting.models import bridge_rows, port_model
+from wsgen.porting.models import bridge_rows, find_followers, port_model
+from wsgen.porting.porter import Follower, Mounted, Robots
 from wsgen.text.xmltree import Malformed, parse
 
 if TYPE_CHECKING:
@@ -894,7 +895,103 @@ def test_bridges_commands_to_gazebo() -> None:
         assert [row.gz_type for row in rows if row.direction == "]"] == [gz_type]
 
 
+CAMERA = """
+<robot>
+  <gazebo reference="{link}">
+    <sensor name="{name}" type="camera">
+      <plugin name="eye" filename="libgazebo_ros_camera.so"/>
+    </sensor>
+  </gazebo>
+</robot>
+"""
+
+
+@pytest.mark.parametrize(
+    ("link", "name", "mounted", "frame"),
+    [
+        ("eye", "cam", [], "eye"),
+        ("eye", "cam", [("cam", "eye", "eye")], "eye"),
+        ("eye", "cam", [("cam", "eye", "base"), ("scan", "laser", "top")], "base"),
+        ("${p}eye", "cam", [("cam", "eye", "base")], "${p}base"),
+        ("${p}eye", "cam", [("cam", "a/eye", "a/base"), ("cam", "b/eye", "b/base")], "${p}base"),
+        ("${p}eye", "cam", [("cam", "eye", "eye"), ("scan", "laser_eye", "top")], "${p}eye"),
+        ("${name}_link", "${name}", [("l", "l_link", "base"), ("r", "r_link", "base")], "base"),
+        ("$(arg name)", "cam", [("cam", "eye", "base")], "base"),
+    ],
+)
+def test_names_the_link_that_classic_has_lumped_the_one_of_a_sensor_into(
+    link: str, name: str, mounted: list[tuple[str, str, str]], frame: str
+) -> None:
+    robots = Robots(mounted=frozenset(map(Mounted._make, mounted)))
+    text = CAMERA.format(link=link, name=name)
+    port = port_model(SourceText(FILE, text), JAZZY, robots)
+    assert f"<gz_frame_id>{frame}</gz_frame_id>" in apply(text, port.edits)
+    assert port.unported == ()
+
+
+def test_lists_a_sensor_that_robots_have_on_different_links() -> None:
+    mounted = {Mounted("cam", "eye", "base"), Mounted("cam", "eye", "head")}
+    text = CAMERA.format(link="eye", name="cam")
+    port = port_model(SourceText(FILE, text), JAZZY, Robots(mounted=frozenset(mounted)))
+    assert ["was base or head" in one.what for one in port.unported] == [True]
+
+
+def controlled(content: str, *, described: str = "", attribute: str = "") -> str:
+    """A `<ros2_control>` with two fingers, and what else describes the second one."""
+    return in_robot(
+        f"""
+        <joint name="${{p}}right" type="prismatic">{described}</joint>
+        <ros2_control name="hand" type="system">
+          <joint name="left">
+            <command_interface name="position"/>
+          </joint>
+          <joint {attribute}name="right">{content}
+            <state_interface name="position"/>
+          </joint>
+        </ros2_control>
+        """
+    )
+
+
+COMMAND = '\n<command_interface name="position"/>'
+FOLLOWS = '\n<param name="mimic">left</param>'
+MIMIC = '\n    <mimic joint="left" multiplier="1"/>\n  '
+
+
+@pytest.mark.parametrize(
+    ("before", "followers", "after"),
+    [
+        (controlled(COMMAND + FOLLOWS), {"right": Follower("left", "")}, controlled("")),
+        (controlled(COMMAND + FOLLOWS), {}, controlled("", described=MIMIC)),
+        (
+            controlled(COMMAND),
+            {"right": Follower("${p}left", "2")},
+            controlled(COMMAND, attribute='mimic="false" '),
+        ),
+        (
+            controlled(""),
+            {"right": Follower("other", "")},
+            controlled("", attribute='mimic="false" '),
+        ),
+        (controlled(""), {"right": Follower("left", "")}, controlled("")),
+        (controlled(COMMAND), {}, controlled(COMMAND)),
+    ],
+)
+def test_has_joints_follow_others_as_in_classic(
+    before: str, followers: dict[str, Follower], after: str
+) -> None:
+    port = port_model(SourceText(FILE, before), JAZZY, Robots(followers=followers))
+    assert re.sub(r"\s+", " ", apply(before, port.edits)) == re.sub(r"\s+", " ", after)
+    assert port.unported == ()
+
+
+def test_finds_joints_that_follow_in_other_files() -> None:
+    text = '<robot><joint name="${p}right"><mimic joint="left" multiplier="2"/></joint></robot>'
+    assert [*find_followers(text)] == [("right", Follower("left", "2"))]
+
+
 UNPORTED = {
+    '<ros2_control><joint name="a"><param name="mimic">b</param></joint></ros2_control>': "It followed `b`",
     '<gazebo><plugin name="a" filename="libmy_plugin.so"/></gazebo>': "`libmy_plugin.so` is a plugin",
     '<gazebo><plugin name="a" filename="libgazebo_ros_tricycle_drive.so"/></gazebo>': "drives a",
     '<gazebo><plugin name="a" filename="${plugin}"/></gazebo>': "xacro computes the name",

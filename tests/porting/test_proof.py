@@ -351,7 +351,7 @@ def test_without_a_robot_there_is_nothing_to_compare(tmp_path: Path) -> None:
 
 
 # What is compared of two robots, without simulating any.
-SCAN = RosTopic("/scan", "sensor_msgs/LaserScan", is_published=True, frame="lidar", place="mast")
+SCAN = RosTopic("/scan", "sensor_msgs/LaserScan", is_published=True, frame="lidar")
 BUMPER = RosTopic("/bumper", "gazebo_msgs/ContactsState", is_published=True, frame="world")
 CART = Measured(
     package="cart",
@@ -412,10 +412,6 @@ CHANGED: dict[str, tuple[dict[str, Any], list[tuple[Any, ...]]]] = {
         [("drive ahead", "0.900 0.000 m, 0.000 rad", "not driven", False)],
     ),
     "a frame that is not known": ({"topics": frozenset((SCAN._replace(frame=""),))}, []),
-    "the link that the sensor is on": (
-        {"topics": frozenset((SCAN._replace(frame="mast", place=""),))},
-        [],
-    ),
     "another link of a sensor": (
         {"topics": frozenset((SCAN._replace(frame="base"),))},
         [

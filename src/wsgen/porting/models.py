@@ -12,13 +12,16 @@ from wsgen.model.facts import ROS2_CONTROL_HARDWARE
 from wsgen.model.robot import GAZEBO_AMBIENTS, GAZEBO_COLORS
 from wsgen.model.target import CLASSIC
 from wsgen.porting.plugins import port_plugin
-from wsgen.porting.porter import Porter
+from wsgen.porting.porter import Follower, Porter, number, without_computed
 from wsgen.porting.sensors import goes_with_sensor, port_sensor
-from wsgen.porting.xml_edits import COMPUTED, Block
+from wsgen.porting.xml_edits import COMPUTED, Block, read_nodes
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from wsgen.model.target import Target
     from wsgen.porting.ported import BridgeRow, FilePort
+    from wsgen.porting.porter import Robots
     from wsgen.porting.xml_edits import Node
 
 _ELSEWHERE = ("world", "gui", "actor")  # whose own plugins are not those of models
@@ -29,9 +32,18 @@ _COMMENT_OR_HARDWARE = re.compile(rf"<!--.*?(?:-->|\Z)|\b({_HARDWARE})\b", re.DO
 _SPECULAR = 0.1
 
 
-def port_model(source: SourceText, target: Target) -> FilePort:
+def port_model(source: SourceText, target: Target, robots: Robots | None = None) -> FilePort:
     """Port what a text has of robots and models; of a world, what is in its models."""
-    return _port(source, target).finish()
+    return _port(source, target, robots).finish()
+
+
+def find_followers(text: str) -> Iterator[tuple[str, Follower]]:
+    """The joints of a URDF or xacro that mimic another one."""
+    for node in read_nodes(SourceText(Path("robot"), text)) if "<mimic" in text else ():
+        mimic = node.find("mimic") if node.name == "joint" else None
+        if mimic is not None:
+            follower = Follower(mimic.get("joint"), mimic.get("multiplier"))
+            yield without_computed(node.get("name")), follower
 
 
 def bridge_rows(text: str, target: Target) -> list[BridgeRow]:
@@ -44,8 +56,8 @@ def bridge_rows(text: str, target: Target) -> list[BridgeRow]:
     return _port(SourceText(Path("robot"), text), target).rows
 
 
-def _port(source: SourceText, target: Target) -> Porter:
-    port = Porter(source, target)
+def _port(source: SourceText, target: Target, robots: Robots | None = None) -> Porter:
+    port = Porter(source, target, robots)
     for node in port.nodes:
         if node.is_in(*_NOT_READ):
             continue
@@ -57,11 +69,57 @@ def _port(source: SourceText, target: Target) -> Porter:
                 port_plugin(port, node)
         elif node.name == "material":
             _port_material(port, node)
+        elif node.name == "joint" and node.is_in("ros2_control"):
+            _port_follower(port, node)
     for found in _COMMENT_OR_HARDWARE.finditer(source.text):
         if found[1]:
             port.editor.write(*found.span(1), target.ros2_control_hardware)
             port.packages.add(target.ros2_control_hardware.partition("/")[0])
     return port
+
+
+def _port_follower(port: Porter, joint: Node) -> None:
+    """Have a joint follow another one in `<ros2_control>` where it does in Gazebo Classic.
+
+    There a parameter says so, and the <mimic> of the URDF does nothing; in Gazebo Sim that counts,
+    and ros2_control refuses commands for such a joint. Source: gazebo_system.cpp (Humble),
+    hardware_interface's component_parser.cpp and gz_system.cpp (Jazzy).
+    """
+    written = {one.get("name"): one for one in joint.children("param")}
+    said = [written[name] for name in ("mimic", "multiplier") if name in written]
+    leader = written["mimic"].text if "mimic" in written else ""
+    factor = written["multiplier"].text if "multiplier" in written else "1"
+    name = without_computed(joint.get("name"))
+    known = port.robots.followers.get(name)
+    commands = [*joint.children("command_interface")]
+    if joint.get("mimic") or not (leader or known):
+        return
+    if known is not None and not leader:
+        others = next(one for one in joint.ancestors() if one.name == "ros2_control")
+        names = {without_computed(one.get("name")) for one in others.children("joint")}
+        if commands or without_computed(known.leader) not in names:
+            port.editor.set_attribute(joint, "mimic", "false")
+        return
+    if known is None:
+        joints = (one for one in port.nodes if one.name == "joint" and one.is_in("robot"))
+        own = (one for one in joints if without_computed(one.get("name")) == name)
+        described = next((one for one in own if not one.is_in("ros2_control")), None)
+        if described is None:
+            port.leave(
+                joint,
+                f"It followed `{leader}` as ros2_control says; in Gazebo Sim the URDF says it.",
+                f'Write <mimic joint="{leader}" multiplier="{factor}"/> into its <joint> there.',
+            )
+            return
+        port.editor.append(described, Block("mimic", (), f'joint="{leader}" multiplier="{factor}"'))
+    elif number(factor) != number(known.multiplier or "1"):
+        port.leave(
+            joint,
+            f"It followed `{leader}` by the factor {factor}; in Gazebo Sim that of <mimic> counts.",
+            "Write the factor into the <mimic> of the URDF.",
+        )
+    for one in (*commands, *said):
+        port.editor.remove(one)
 
 
 def _port_material(port: Porter, material: Node) -> None:

@@ -13,6 +13,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.fixes.plan import FileFix, is_whole
 from wsgen.checks.fixes.source import Edit, apply, overlap, read_source
+from wsgen.descriptions.urdf.devices import read_devices
+from wsgen.descriptions.urdf.lumping import lump
+from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.gazebo.systems import EMPTY_WORLD
 from wsgen.isolation.parent import make_scratch
 from wsgen.packages.workspace.layout import BUILD_MARKERS, LAUNCH_FILES
@@ -24,9 +27,10 @@ from wsgen.porting.build_files import port_cmake, port_hook, port_setup
 from wsgen.porting.launch_files import OF_WORLD, Context, port_launch_file
 from wsgen.porting.launch_markup import port_markup
 from wsgen.porting.manifests import port_manifest
-from wsgen.porting.models import bridge_rows, port_model
+from wsgen.porting.models import bridge_rows, find_followers, port_model
 from wsgen.porting.parameters import port_parameters
 from wsgen.porting.ported import FilePort, Unported, joined
+from wsgen.porting.porter import Mounted, Robots
 from wsgen.porting.worlds import model_names, new_world, port_world
 from wsgen.text.files import list_files, real_path, remembering
 
@@ -103,11 +107,17 @@ def plan_port(targets: Targets, target: Target, environment: Mapping[str, str]) 
         NotReadableError: A folder cannot be laid out.
     """
     with remembering():
-        rows = _rows(targets, target, environment)
+        rows, mounted = _look_at_launches(targets, target, environment)
         of_ros_1 = [one for one in targets.packages if one.build_type == "catkin"]
         ports = [_Port(package) for package in targets.packages if package not in of_ros_1]
+        followers = dict(
+            one
+            for port in ports
+            for source in port.files(_OF_XML)
+            for one in find_followers(source.text)
+        )
         for port in ports:
-            _port_models(port, target)
+            _port_models(port, target, Robots(frozenset(mounted), followers))
         systems = frozenset().union(*(port.all().systems for port in ports))
         models = {name for port in ports for name in model_names(port.package.path)}
         models |= {port.package.name for port in ports}
@@ -136,10 +146,14 @@ def _left_in_ros_1(package: PackageFolder) -> Unported:
     )
 
 
-def _rows(
+def _look_at_launches(
     targets: Targets, target: Target, environment: Mapping[str, str]
-) -> dict[str, dict[int, list[BridgeRow]]]:
-    """The topics of the robots that spawners put into the simulator, by real path and line."""
+) -> tuple[dict[str, dict[int, list[BridgeRow]]], set[Mounted]]:
+    """The topics of the robots that spawners put into the simulator, and the sensors of these.
+
+    The topics are by real path and line of the spawner.
+    """
+    mounted: set[Mounted] = set()
     found: dict[str, dict[int, list[BridgeRow]]] = defaultdict(lambda: defaultdict(list))
     models = {
         file.parent.name: file
@@ -169,7 +183,17 @@ def _rows(
                     here = found[real_path(process.file)][process.line]
                     rows = bridge_rows(spawn.description, target)
                     here += [row for row in rows if row not in here]
-    return found
+                    mounted.update(_mounted(spawn.description))
+    return found, mounted
+
+
+def _mounted(description: str) -> Iterator[Mounted]:
+    """The sensors of a URDF, on the links that Gazebo Classic has."""
+    written = read_urdf(description, file=None)[0] if "<sensor" in description else None
+    if written is not None:
+        lumped, _ = lump(written, for_classic=True)
+        for one in read_devices(description, written, lumped).sensors:
+            yield Mounted(one.name, one.frame, one.link)
 
 
 def _rows_of_world(file: Path, models: Mapping[str, Path], target: Target) -> Iterator[BridgeRow]:
@@ -197,12 +221,12 @@ def _is_markup(file: Path) -> bool:
     return file.name.endswith(_MARKUP)
 
 
-def _port_models(port: _Port, target: Target) -> None:
+def _port_models(port: _Port, target: Target, robots: Robots) -> None:
     for source in port.files(_OF_XML):
         if _is_markup(source.file) or source.file.name == "package.xml":
             continue
         if _ROBOT.search(source.text) or _SDF.search(source.text):
-            port.add(source, port_model(source, target))
+            port.add(source, port_model(source, target, robots))
 
 
 def _port_worlds(

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from types import MappingProxyType
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.gazebo.bridged_types import PAIRS
 from wsgen.gazebo.plugins import PLUGINS, TRUE, GazeboPlugin, stem
@@ -13,7 +14,7 @@ from wsgen.porting.topics import Topics, absolute
 from wsgen.porting.xml_edits import COMPUTED, Editor, Node, read_nodes
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from wsgen.checks.fixes.source import SourceText
     from wsgen.model.target import Target
@@ -22,15 +23,40 @@ FROM_GAZEBO, TO_GAZEBO = "[", "]"
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 _EXPRESSION = re.compile(r"\$\{([^{}]*)\}")
 _ARGUMENT = re.compile(r"\$\(arg\s+(\w+)\)")
+# What xacro replaces: an expression, or what has no other one in it.
+_REPLACED = re.compile(r"\$\{[^{}]*\}|\$\([^()]*\)")
 _TWICE = re.compile(r"\s*(?:2(?:\.0*)?\s*\*\s*([\w.]+)|([\w.]+)\s*\*\s*2(?:\.0*)?)\s*")
+
+
+class Mounted(NamedTuple):
+    """A sensor of a robot that a launch file spawns."""
+
+    name: str
+    link: str  # that the description puts it on
+    carrier: str  # the link that Gazebo has lumped that one into, or the same
+
+
+class Follower(NamedTuple):
+    """What a `<mimic>` says in a URDF."""
+
+    leader: str
+    multiplier: str
+
+
+class Robots(NamedTuple):
+    """What other files, and robots that launch files spawn, say about those of a file."""
+
+    mounted: frozenset[Mounted] = frozenset()
+    followers: Mapping[str, Follower] = MappingProxyType({})  # by joint, see `without_computed`
 
 
 class Porter:
     """The port of a file, as far as it is made."""
 
-    def __init__(self, source: SourceText, target: Target) -> None:
+    def __init__(self, source: SourceText, target: Target, robots: Robots | None = None) -> None:
         self.source = source
         self.target = target
+        self.robots = robots or Robots()
         self.nodes = read_nodes(source)
         self.editor = Editor(source)
         self.unported: list[Unported] = []
@@ -131,6 +157,18 @@ def _ros_2_name(name: str) -> str:
     return found or re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
 
 
+def values_in(text: str, name: str) -> tuple[str, ...] | None:
+    """What xacro has put into a text to make this name of it; None if it did not."""
+    pattern = "(.*)".join(map(re.escape, _REPLACED.split(text)))
+    found = re.fullmatch(pattern, name)
+    return None if found is None else found.groups()
+
+
+def without_computed(text: str) -> str:
+    """A name without what xacro computes of it: what parts of a robot in several files share."""
+    return _REPLACED.sub("", text)
+
+
 def number(text: str) -> float | None:
     """The number that a text is, if xacro does not compute it."""
     return float(text) if _NUMBER.fullmatch(text) else None
@@ -182,8 +220,36 @@ def half(text: str) -> str | None:
     return None if inner is None else f"${{{inner}/2}}"
 
 
+def carrier_of(port: Porter, sensor: Node) -> str:
+    """The link that has a sensor in Gazebo Classic, which lumps links that fixed joints join.
+
+    It is written with what xacro computes of the link that the sensor is on. An empty text where
+    the text does not show it.
+    """
+    link = link_of(sensor)
+    found = set()
+    for one in port.robots.mounted:
+        values = values_in(link, one.link)
+        if values is None or values_in(sensor.get("name"), one.name) is None:
+            continue
+        expression = _REPLACED.match(link)
+        if one.link == one.carrier:
+            found.add(link)
+        elif expression is not None and one.carrier.startswith(values[0]):
+            found.add(f"{expression[0]}{one.carrier.removeprefix(values[0])}")
+        else:
+            found.add(one.carrier)
+    if len(found) > 1:
+        port.leave(
+            sensor,
+            f"The frame of its messages was {' or '.join(sorted(found))}, as robots differ.",
+            f"Write it into <{port.target.frame_tag}>.",
+        )
+    return found.pop() if len(found) == 1 else link
+
+
 def link_of(node: Node) -> str:
-    """The link that has a sensor; an empty text where the text does not show it."""
+    """The link that a sensor is on; an empty text where the text does not show it."""
     for around in node.ancestors():
         if around.name == "gazebo":
             return around.get("reference")

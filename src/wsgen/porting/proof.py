@@ -354,12 +354,11 @@ def _compare_topics(
         types = {_SUCCESSORS.get(one.type, one.type) for one in topics}
         frames = {one.frame for one in topics if one.frame}
         now = {one.frame for one in others if one.frame}
-        places = {one.place for one in topics}  # where the sensor is in truth
         shown = ", ".join(sorted({one.type for one in topics}))
         if not types & {one.type for one in others}:
             instead = ", ".join(sorted({one.type for one in others})) or "missing"
             details.append((f"{topic}{said}", shown, instead))
-        elif frames and now and now.isdisjoint(frames | places):
+        elif frames and now and now.isdisjoint(frames):
             details.append((f"{topic}{said}", f"frame {_listed(frames)}", f"frame {_listed(now)}"))
     yield Compared(name, "topics", str(len(here)), str(len(there)), is_same=not details)
     for aspect, before, after in details:

@@ -42,9 +42,6 @@ class RosTopic(NamedTuple):
     type: str  # "sensor_msgs/LaserScan"
     is_published: bool  # by the simulator; if not, it reads the topic
     frame: str = ""  # in the header, and of odometry "odom → base_link"; empty: not known
-    # The link that the description puts a sensor on; `frame` is what Gazebo Classic has lumped it
-    # into, where a plugin names none.
-    place: str = ""
 
 
 class _GzTopic(NamedTuple):
@@ -146,15 +143,15 @@ def of_classic_sensor(sensor: MountedSensor, plugin: Element) -> Iterator[RosTop
         eyes = sensor.element.find_all("camera")
         cameras = [f"{camera}/{one.attributes.get('name', 'default')}" for one in eyes]
     parameters = {} if name not in PLUGINS else PLUGINS[name].parameters
-    frame, place = plugin.get("frame_name") or str(parameters.get("frame_name") or ""), ""
-    if not frame:  # a link of an included model has the names of models before its own
-        frame, place = (link.rpartition("::")[2] for link in (sensor.link, sensor.frame))
+    frame = plugin.get("frame_name") or str(parameters.get("frame_name") or "")
+    # A link of an included model has the names of models before its own.
+    frame = frame or sensor.link.rpartition("::")[2]
     for one in cameras if name == "gazebo_ros_camera" else cameras[:1]:
         for pattern, type_ in topics.items():
             topic = _in_ros(pattern.format(camera=one), plugin)
             said = plugin.get("output_type") or str(parameters.get("output_type"))
             kind = type_.format(output_type=said)
-            yield RosTopic(topic, kind, is_published=True, frame=frame, place=place)
+            yield RosTopic(topic, kind, is_published=True, frame=frame)
 
 
 def _in_ros(topic: str, plugin: Element) -> str:

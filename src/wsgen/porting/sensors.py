@@ -13,7 +13,7 @@ from wsgen.gazebo.successors import (
     SENSOR_TYPES,
     TYPES_OF_ROS_1,
 )
-from wsgen.porting.porter import ClassicPlugin, link_of, number
+from wsgen.porting.porter import ClassicPlugin, carrier_of, link_of, number
 from wsgen.porting.topics import absolute, folder
 from wsgen.porting.xml_edits import COMPUTED, Block, Copy
 
@@ -89,7 +89,7 @@ def _part_cameras(port: Porter, sensor: Node, plugins: list[ClassicPlugin]) -> N
             port.bridge(image, "Image", image)
             port.bridge(f"{folder(image)}/camera_info", "CameraInfo", info)
             content = [Block("topic", image)]
-            if frame := plugin.value("frame_name") or link_of(sensor):
+            if frame := plugin.value("frame_name") or carrier_of(port, sensor):
                 content.append(Block(port.target.frame_tag, frame))
         if place == 0:
             port.editor.set_attribute(sensor, "type", "camera")
@@ -116,8 +116,10 @@ def _name_topic(port: Porter, sensor: Node, topic: str) -> str:
 
 def _put_frame(port: Porter, sensor: Node, plugin: ClassicPlugin) -> None:
     """Name the frame of the messages, which is the link without a name."""
-    frame = plugin.value("frame_name") or link_of(sensor)
-    if frame and kind_of(sensor) != "contact" and not any(map(sensor.find, FRAME_NAMES)):
+    if kind_of(sensor) == "contact" or any(map(sensor.find, FRAME_NAMES)):
+        return
+    frame = plugin.value("frame_name") or carrier_of(port, sensor)
+    if frame:
         port.editor.append(sensor, Block(port.target.frame_tag, frame))
 
 
