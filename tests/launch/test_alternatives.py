@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.launching.alternatives import MOST_TRIED, alternatives, with_assumed
-from wsgen.launching.evaluate import evaluate
+from wsgen.launching.evaluate import MOST_TRIED, alternatives, evaluate, with_assumed
 
 if TYPE_CHECKING:
     from install_space import InstallSpace

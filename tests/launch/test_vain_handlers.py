@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from wsgen.diagnostics import Severity
-from wsgen.launching.vain_handlers import VAIN_HANDLER
+from wsgen.launching.launch_warnings import VAIN_HANDLER
 
 if TYPE_CHECKING:
     from install_space import InstallSpace

@@ -11,9 +11,8 @@ from simulation.robots import GROUND, body, joint, shape, tree
 from wsgen.model.behavior import Behavior, BehaviorRun, DiffDrive, Drive, Reach, WheelPair
 from wsgen.model.robot import Box, Cylinder, Inertial, JointLimit, JointType, Link, Mimic, Sphere
 from wsgen.model.transform import Pose
-from wsgen.simulation.run_behaviors import run_behaviors
 from wsgen.simulation.scene import BehaviorMeasurement, Scene, SpawnedRobot
-from wsgen.simulation.simulate import run_scene
+from wsgen.simulation.simulate import run_behaviors, run_scene
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -22,9 +22,8 @@ from wsgen.simulation.controllers import (
     controller_for,
 )
 from wsgen.simulation.engine import Motor, State
-from wsgen.simulation.run_behaviors import run_behaviors
 from wsgen.simulation.scene import BehaviorMeasurement, RobotRun, Scene, SpawnedRobot
-from wsgen.simulation.simulate import run_scene
+from wsgen.simulation.simulate import run_behaviors, run_scene
 
 if TYPE_CHECKING:
     from wsgen.model.behavior import BehaviorRun

@@ -11,7 +11,7 @@ from simulation.robots import BAR, BAR_MOMENT, body, joint, lift, pendulum, tree
 from wsgen.model.robot import JointType
 from wsgen.model.transform import Pose
 from wsgen.simulation.bullet_body import undamped
-from wsgen.simulation.stiffness import STIFF, is_stiff
+from wsgen.simulation.engine import STIFF, is_stiff
 
 if TYPE_CHECKING:
     from wsgen.model.robot import Robot

@@ -432,7 +432,7 @@ def _report_vain_handlers() -> None:
     """Report event handlers that are never called."""
     vain = [one for one in RECORD.handlers if getattr(one, "wsgen_waits_in_vain", False)]
     if vain:
-        from wsgen.launching.vain_handlers import report_vain_handlers
+        from wsgen.launching.launch_warnings import report_vain_handlers
 
         report_vain_handlers(vain)
 

@@ -113,7 +113,7 @@ def start(
     plan = play({})
     if has_errors(plan.diagnostics) and not request.is_live:
         # It loads what explains errors, which most workspaces do not need.
-        from wsgen.launching.alternatives import alternatives, with_assumed  # noqa: PLC0415
+        from wsgen.launching.evaluate import alternatives, with_assumed  # noqa: PLC0415
 
         for values in alternatives(plan, given, lambda: play({}, only_arguments=True).arguments):
             other = play(values)

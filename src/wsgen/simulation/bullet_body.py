@@ -34,8 +34,7 @@ from wsgen.model.transform import (
 )
 from wsgen.simulation.bullet_contacts import contact_masses, spring_of
 from wsgen.simulation.contact_shapes import inner_apart, one_friction_a_link
-from wsgen.simulation.engine import decays, may_touch
-from wsgen.simulation.stiffness import STRONGEST, is_stiff, stiffness_to_simulate
+from wsgen.simulation.engine import STRONGEST, decays, is_stiff, may_touch, stiffness_to_simulate
 from wsgen.simulation.urdf_writer import write_urdf
 from wsgen.text.values import dataclass
 

@@ -25,8 +25,7 @@ from wsgen.model.kinematics import split_trees
 from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere
 from wsgen.model.transform import Pose, compose, quaternion_of_rpy, rotation_of_rpy, rpy_of_rotation
 from wsgen.simulation.contact_shapes import box_around, inner_collisions
-from wsgen.simulation.engine import decays, limit_share, may_touch
-from wsgen.simulation.stiffness import STRONGEST, stiffness_to_simulate
+from wsgen.simulation.engine import STRONGEST, decays, limit_share, may_touch, stiffness_to_simulate
 from wsgen.simulation.surfaces import there, triangles_of
 
 if TYPE_CHECKING:

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING
 from wsgen.model.behavior import Drive, Reach
 from wsgen.model.transform import Pose, rotation_of_quaternion, rpy_of_rotation
 from wsgen.simulation.controllers import UPDATE, DiffDriveController, PositionController
-from wsgen.simulation.engine import Motor
+from wsgen.simulation.engine import Motor, is_finite
 from wsgen.simulation.sampling import Odometer
 from wsgen.simulation.session import Moment, Opened, RobotState, Watched
-from wsgen.simulation.simulate import brake, is_finite, spawn_robots, tilt_of, watch_robots
+from wsgen.simulation.simulate import brake, spawn_robots, tilt_of, watch_robots
 from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.model.behavior import TimeSeries
 from wsgen.model.transform import multiply, rotation_of_quaternion, transpose
-from wsgen.simulation.simulate import is_finite
+from wsgen.simulation.engine import is_finite
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

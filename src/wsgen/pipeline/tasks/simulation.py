@@ -88,7 +88,7 @@ def _run_behaviors(
     observers: Sequence[Recorder | Sampler],
 ) -> list[RobotRun]:
     """The runs with what the robots did beyond standing; most scenes load nothing for it."""
-    from wsgen.simulation.run_behaviors import run_behaviors  # noqa: PLC0415
+    from wsgen.simulation.simulate import run_behaviors  # noqa: PLC0415
 
     def begin(name: str, seconds: float) -> None:
         for observer in observers:
