@@ -271,6 +271,7 @@ def test_a_module_of_a_package_that_is_not_built(space: InstallSpace, tmp_path: 
         environment={**environment, "AMENT_PREFIX_PATH": path},
     )
     assert_goes_on(plan)
+    assert not [*source.rglob("*.pyc")]  # the sources are the user's
 
 
 @pytest.mark.slow

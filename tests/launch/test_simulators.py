@@ -55,6 +55,7 @@ def include(name: str, package: str = "gazebo_ros", **values: str) -> LaunchPlan
         (include("gzserver.launch.py", world="w"), ("classic", "w", True)),
         (include("gz_sim.launch.py", "ros_gz_sim", gz_args="-r -s w.sdf"), ("gz", "w.sdf", True)),
         (include("gz_sim.launch.py", "ros_gz_sim", ign_args="w.sdf"), ("gz", "w.sdf", False)),
+        (include("gz_sim.launch.py", "ros_gz_sim", gz_args="/w.model"), ("gz", "/w.model", False)),
         (include("gz_sim.launch.py", "ros_gz_sim", gz_args="-r 'a b"), ("gz", None, False)),
         (
             include("ign_gazebo.launch.py", "ros_ign_gazebo", ign_args="-r w.sdf"),

@@ -241,3 +241,21 @@ def test_hooks() -> None:
         "prepend-non-duplicate;GZ_SIM_SYSTEM_PLUGIN_PATH;lib\n"
     )
     assert port_hook(SourceText(source.file, after)).edits == ()
+
+
+def test_a_hook_that_asks_for_gazebo_classic_is_listed() -> None:
+    text = """\
+if test -f /usr/share/gazebo/setup.bash; then
+    ament_prepend_unique_value GAZEBO_MODEL_PATH "$PREFIX/models"
+fi
+if test -d /usr/share/ignition; then
+    ament_prepend_unique_value IGN_GAZEBO_RESOURCE_PATH "$PREFIX/models"
+fi
+"""
+    source = SourceText(Path("hook.sh"), text)
+    port = port_hook(source)
+    # None of the branches may become empty.
+    assert (
+        apply(text, port.edits).count('    ament_prepend_unique_value GZ_SIM_RESOURCE_PATH "$') == 2
+    )
+    assert [one.line for one in port.unported] == [1, 4]

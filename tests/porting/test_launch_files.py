@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import ast
+import re
 from pathlib import Path
 from textwrap import dedent
 
 import pytest
 
 from wsgen.checks.fixes.source import SourceText, apply
-from wsgen.porting.launch_files import Context, port_launch_file
+from wsgen.porting.launch_files import Context, WorldTaker, port_launch_file
 from wsgen.porting.ported import BridgeRow, FilePort
 
 SCAN = BridgeRow("/scan", "LaserScan", "sensor_msgs/msg/LaserScan", "[", "/scan")
@@ -114,6 +115,80 @@ def test_server_and_client_stay_two() -> None:
     assert 'launch_arguments={"gz_args": ["-s -r ", world]}.items(),\n' in after
     assert 'condition=IfCondition(gui),\n    launch_arguments={"gz_args": "-g"}' in after
     assert "# not in CI" in after
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (
+            "'gzserver', '-s', 'libgazebo_ros_init.so', '-s', 'libgazebo_ros_factory.so', world",
+            None,
+        ),
+        (
+            "'gzserver', world, '-s', 'libgazebo_ros_init.so', '-s', 'libgazebo_ros_factory.so'",
+            None,
+        ),
+        ("'gzserver', world, '--ros-args', '--params-file', path", None),
+        ("'gzserver', world, 'extra-gazebo-args', '--ros-args', '--params-file', path", None),
+        ("'gzserver', '', '--ros-args'", "'gz', 'sim', '-s', '-r', 'empty.sdf'"),
+    ],
+)
+def test_what_gz_does_not_read_goes_from_a_command(words: str, expected: str | None) -> None:
+    after, _ = ported(f"ld.add_action(ExecuteProcess(cmd=[{words}]))\n")
+    expected = expected or "'gz', 'sim', '-s', '-r', world"
+    assert re.search(rf"cmd=\[{expected},? *\]", after)
+
+
+def test_the_world_that_a_launch_argument_names_by_default() -> None:
+    text = """\
+        DeclareLaunchArgument('map', default_value='')
+        DeclareLaunchArgument('arena', default_value='')
+        path = LaunchConfiguration('arena')
+        ld.add_action(ExecuteProcess(cmd=['gzserver', path]))
+        """
+    after, port = ported(text, world="worlds/empty.sdf")
+    assert after.count("default_value=''") == 1
+    assert after.count("default_value=PathJoinSubstitution([FindPackageShare('my_robot'), ") == 1
+    assert port.worlds == {"arena"}
+
+
+@pytest.mark.parametrize(
+    ("given", "worlds"),
+    [
+        (", launch_arguments={'arena': LaunchConfiguration('world')}.items()", {"world"}),
+        (", launch_arguments=[('arena', '')]", set()),
+        ("", {"arena"}),
+    ],
+)
+def test_the_world_that_is_passed_to_what_starts_gazebo(given: str, worlds: set[str]) -> None:
+    declared = "" if worlds else "1"
+    text = dedent(f"""\
+        DeclareLaunchArgument('{min(worlds, default="x")}', default_value={declared!r})
+        IncludeLaunchDescription(join(share, 'launch', 'simulation.launch.py'){given})
+        IncludeLaunchDescription(join(share, 'rviz.launch.py'), launch_arguments=[('a', '')])
+        """)
+    taker = WorldTaker("its_world", "worlds/empty.sdf", frozenset({"arena"}))
+    context = Context({}, "my_robot", "jazzy", takers={"simulation.launch.py": taker})
+    port = port_launch_file(SourceText(Path("top.launch.py"), text), context)
+    after = apply(text, port.edits)
+    share = "PathJoinSubstitution([FindPackageShare('its_world'), 'worlds', 'empty.sdf'])"
+    assert after.count(share) == 1
+    assert after.count("''") == 1
+    assert port.worlds == worlds
+    assert not port.files  # the other package has it
+
+
+def test_programs_of_fortress_are_renamed() -> None:
+    after, _ = ported("""\
+        Node(package='ros_ign_bridge', executable='parameter_bridge')
+        Node(package='ros_ign_gazebo', executable='create')
+        IncludeLaunchDescription(
+            join(get_package_share_directory('ros_ign_gazebo'), 'launch', 'ign_gazebo.launch.py'),
+            launch_arguments={'ign_args': world}.items())
+        """)
+    assert "ign" not in after.replace("ignore", "")
+    assert "'ros_gz_sim'), 'launch', 'gz_sim.launch.py'" in after
+    assert "{'gz_args': world}" in after
 
 
 def test_a_command_becomes_one_of_gz() -> None:

@@ -51,6 +51,20 @@ def test_commands_without_a_time(newline: str) -> None:
     assert ported(text.replace("\n", newline)) == (after.replace("\n", newline), [], (stamper,))
 
 
+def test_commands_of_a_controller_in_any_namespace() -> None:
+    text = """/**:
+  controller_manager:
+    ros__parameters:
+      cont:
+        type: diff_drive_controller/DiffDriveController
+  cont:
+    ros__parameters:
+      use_stamped_vel: false
+"""
+    stamper = Stamper(FILE, 8, "cont", "cont/cmd_vel_unstamped", "cont/cmd_vel")
+    assert ported(text)[1:] == ([], (stamper,))
+
+
 def test_commands_with_a_time_stay() -> None:
     text = CONTROLLERS.format(BROADCASTER, DIFF, "    use_stamped_vel: true\n")
     assert ported(text) == (text, [], ())

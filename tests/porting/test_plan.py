@@ -74,6 +74,48 @@ def test_a_package_for_sim_stays_as_it_is(tmp_path: Path, case: str) -> None:
 
 
 @pytest.mark.slow
+def test_the_default_world_is_written_where_it_is_given(tmp_path: Path) -> None:
+    """In what includes the launch file that starts Gazebo, and what includes that."""
+    package = make(tmp_path, "diff_drive-humble-classic")
+    for name, inner in (("a", "top"), ("top", "world"), ("world", "")):
+        given = f"world_{inner}" if inner else "world"
+        started = f"join(share, 'launch', '{inner}.launch.py')"
+        if not inner:
+            started = "join(get_package_share_directory('gazebo_ros'), 'launch/gzserver.launch.py')"
+        (package / f"launch/{name}.launch.py").write_text(f"""\
+from os.path import join
+from ament_index_python.packages import get_package_share_directory
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription
+from launch.substitutions import LaunchConfiguration
+
+def generate_launch_description():
+    share = get_package_share_directory('gazebo_test')
+    return LaunchDescription([
+        DeclareLaunchArgument('world_{name}', default_value=''),
+        IncludeLaunchDescription(
+            {started},
+            launch_arguments={{'{given}': LaunchConfiguration('world_{name}')}}.items(),
+        ),
+    ])
+""")
+    list(write_port(plan(package)))
+    for name in ("a", "top", "world"):
+        text = (package / f"launch/{name}.launch.py").read_text(encoding="utf-8")
+        assert f"'world_{name}', default_value=PathJoinSubstitution([FindPackage" in text
+        assert text.count("import PathJoinSubstitution") == 1
+    (package / "launch/a.launch.py").unlink()  # nobody includes it
+    assert (plan(package).files, plan(package).created) == ((), ())
+
+
+@pytest.mark.slow
+def test_a_world_is_one_whatever_its_name_ends_with(tmp_path: Path) -> None:
+    package = make(tmp_path, "diff_drive-humble-classic")
+    (package / "model/hall.model").write_text("<sdf version='1.6'><world name='hall'/></sdf>")
+    assert {one.file.name for one in plan(package).files} >= {"hall.model"}
+
+
+@pytest.mark.slow
 def test_a_check_lists_what_a_port_would_change(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -296,11 +296,13 @@ SPECULARS = {
 }
 
 
-# Environment variable of Gazebo Classic -> that of Gazebo Sim.
+# Environment variable of Gazebo Classic, or of Fortress -> that of Gazebo Sim.
 VARIABLES = {
     "GAZEBO_MODEL_PATH": "GZ_SIM_RESOURCE_PATH",
     "GAZEBO_RESOURCE_PATH": "GZ_SIM_RESOURCE_PATH",
     "GAZEBO_PLUGIN_PATH": "GZ_SIM_SYSTEM_PLUGIN_PATH",
+    "IGN_GAZEBO_RESOURCE_PATH": "GZ_SIM_RESOURCE_PATH",
+    "IGN_GAZEBO_SYSTEM_PLUGIN_PATH": "GZ_SIM_SYSTEM_PLUGIN_PATH",
 }
 # Plugins of worlds of Gazebo Classic that are gone without a loss, and the others: what they did,
 # and what there is instead.

@@ -190,7 +190,7 @@ def _world(words: Iterable[str]) -> str | None:
         if not takes_value and not word.startswith("-"):
             named.append(word)
         takes_value = word in _WITH_VALUE
-    files = [word for word in named if word.endswith(WORLD_SUFFIXES)]
+    files = [word for word in named if word.endswith((*WORLD_SUFFIXES, ".model"))]
     paths = [word for word in named if "/" in word and not PurePath(word).suffix]
     return next(iter((*files, *paths)), None)
 

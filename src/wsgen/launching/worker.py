@@ -168,6 +168,7 @@ class _Process:
         self._words = sys.argv
         self._input = builtins.input
         self._folder = os.getcwd()
+        self._bytecode = sys.dont_write_bytecode
 
     def restore(self) -> None:
         """Set it back, but for the environment, which the next one sets."""
@@ -179,10 +180,12 @@ class _Process:
         builtins.input = self._input
         vars(os.environ).pop("get", None)
         os.chdir(self._folder)
+        sys.dont_write_bytecode = self._bytecode
 
 
 def _install(*, for_processes: bool = True) -> None:
     """Put the shim before all other modules, here and in what the launch file starts."""
+    sys.dont_write_bytecode = True  # beside the modules of the workspace that it imports
     if not _is_shim_loaded():
         for name in [name for name in sys.modules if name.partition(".")[0] in _SHIM_PACKAGES]:
             del sys.modules[name]

@@ -48,6 +48,7 @@ _OF_INSTALL = (
     *("EXPORT", "ARCHIVE", "LIBRARY", "RUNTIME", "DESTINATION", "INCLUDES", "OBJECTS"),
     *("COMPONENT", "OPTIONAL", "PERMISSIONS"),
 )
+_INSTALLED = re.compile(r"/usr/share/(?:gazebo|ignition)\b[^\s\"';:]*")
 _IS_FOUND = re.compile(r"gazebo(?:_\w+)?_FOUND")
 _SCOPES = ("PUBLIC", "PRIVATE", "INTERFACE", "SYSTEM", "BEFORE", "AFTER")
 _HEADER = rb"#\s*include\s*[<\"]gazebo(?:_\w+)?/"
@@ -412,12 +413,24 @@ def _import_of_glob(source: SourceText, tree: ast.Module) -> Edit:
 def port_hook(source: SourceText) -> FilePort:
     """Set the variables of Gazebo Sim in a hook of the environment, each with a value once."""
     edits: list[Edit] = []
+    unported: list[Unported] = []
     seen = {line.strip() for line in source.text.splitlines()}
     for found in re.finditer(r"[^\n]+(?:\n|\Z)", source.text):
         line = re.sub(rf"\b(?:{'|'.join(VARIABLES)})\b", lambda name: VARIABLES[name[0]], found[0])
         if line != found[0]:
-            is_repeated = line.strip() in seen
+            # A line of a branch may be all of it.
+            is_repeated = line.strip() in seen and not line[:1].isspace()
             seen.add(line.strip())
             text = "" if is_repeated else line
             edits.append(Edit(start=found.start(), end=found.end(), text=text))
-    return FilePort(edits=tuple(edits))
+        installed = _INSTALLED.search(line)
+        if installed is not None and not line.lstrip().startswith("#"):
+            unported.append(
+                Unported(
+                    source.file,
+                    source.line_at(found.start()),
+                    f"`{installed[0]}` does not exist where Gazebo Sim alone is installed.",
+                    "Remove what it is needed for, and the condition around the rest.",
+                )
+            )
+    return FilePort(edits=tuple(edits), unported=tuple(unported))

@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import ast
 import re
+from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.fixes.launch_files import RENAMED, name_of, tree_of
 from wsgen.checks.fixes.source import Edit
 from wsgen.checks.rules.controllers import MANAGER
+from wsgen.checks.rules.dependencies import FOR_GAZEBO_SIM
 from wsgen.gazebo.successors import VARIABLES
 from wsgen.gazebo.systems import EMPTY_WORLD
 from wsgen.launching.spawner_options import CREATE, SPAWN_ENTITY, SPAWNERS
@@ -43,7 +45,14 @@ CLIENT = "-g "
 PARTS = {"gazebo": "", "gzserver": "-s ", "gzclient": CLIENT}
 FILES = {f"{name}.launch.py": part for name, part in PARTS.items()}
 # Texts that are other ones for Gazebo Sim, wherever they stand.
-NAMES = {**VARIABLES, ROS2_CONTROL_HARDWARE[CLASSIC][1]: ROS2_CONTROL_HARDWARE[SIM][1]}
+NAMES = {
+    **VARIABLES,
+    ROS2_CONTROL_HARDWARE[CLASSIC][1]: ROS2_CONTROL_HARDWARE[SIM][1],
+    **{old: new for old, new in FOR_GAZEBO_SIM.items() if old.startswith(("ros_ign", "ign_"))},
+    "ign_args": "gz_args",
+    "ign_gazebo.launch.py": LAUNCH_FILE,
+    "ign_ros2_control/IgnitionSystem": ROS2_CONTROL_HARDWARE[SIM][1],
+}
 # Launch argument of gazebo_ros -> what `gz_args` has for it where it is true, and where it is not.
 SWITCHES = {"pause": ("", "-r "), "gui": ("", "-s "), "verbose": ("-v 4 ", "")}
 ON = {"pause": False, "gui": True, "verbose": False}  # their defaults
@@ -65,6 +74,12 @@ ADVICE = {
 }
 # Program that no distribution since Humble has -> what it is called.
 PROGRAMS_RENAMED = {("controller_manager", f"{name}.py"): name for name in ("spawner", "unspawner")}
+# What is given to the node of Gazebo Classic, as an argument of a launch file or of a command.
+_EXTRA = "extra-gazebo-args"
+_OF_THE_NODE = (
+    "Gazebo Sim is not a node of ROS: what that of Gazebo Classic was given is gone.",
+    "Remove a file of parameters that nothing else reads.",
+)
 _INSTALLED_IN = "/opt/ros/"
 _INSTALLED = re.compile(rf"{_INSTALLED_IN}\w+")
 _NAMED = re.compile(r"(?i)gazebo|gzserver|gzclient")
@@ -81,6 +96,14 @@ _LOOKUPS = (
 OF_WORLD = 0  # no line of a call
 
 
+class WorldTaker(NamedTuple):
+    """A launch file that is given the world by arguments."""
+
+    package: str
+    default_world: str | None  # as that of a `Context`
+    arguments: frozenset[str]
+
+
 class Context(NamedTuple):
     """What the evaluation of a launch file and its robots gives to its port."""
 
@@ -94,6 +117,7 @@ class Context(NamedTuple):
     # The topics of all robots, for spawners whose robot is only known when it is launched.
     any_rows: Sequence[BridgeRow] = ()
     stampers: Sequence[Stamper] = ()  # for the controllers that the launch file may start
+    takers: Mapping[str, WorldTaker] = MappingProxyType({})  # by the names of launch files
 
     def rows_at(self, lines: range) -> Sequence[BridgeRow] | None:
         """The topics of the robots of a spawner on these lines; None where they are not known."""
@@ -109,7 +133,8 @@ UNKNOWN_ROBOT = (
 
 def port_launch_file(source: SourceText, context: Context) -> FilePort:
     """Port a launch file, or a Python module that one imports."""
-    if _NAMED.search(source.text) is None and MANAGER not in source.text:
+    words = (MANAGER, *context.takers)
+    if _NAMED.search(source.text) is None and not any(word in source.text for word in words):
         return FilePort()
     tree = tree_of(source)
     return FilePort() if tree is None else _Port(tree, context).result()
@@ -128,6 +153,7 @@ class _Port(PythonEdits):
         self.context = context
         self.packages: set[str] = set()
         self.files: set[str] = set()
+        self.worlds: set[str] = set()
         self.declared = {
             name: call
             for call in self.calls("DeclareLaunchArgument")
@@ -137,6 +163,7 @@ class _Port(PythonEdits):
     def result(self) -> FilePort:
         servers = [*self._includes(), *self._commands()]
         spawners = [*self._spawners()]
+        self._pass_worlds()
         self._bridges(servers, spawners)
         self._controllers(is_simulated=bool(servers or spawners))
         self._names()
@@ -146,6 +173,7 @@ class _Port(PythonEdits):
             unported=tuple(self.unported),
             packages=frozenset(self.packages),
             files=frozenset(self.files),
+            worlds=frozenset(self.worlds),
         )
 
     # The simulator
@@ -211,7 +239,10 @@ class _Port(PythonEdits):
                 self.replace(first, glue.join(lines), last)
             else:
                 self.remove(first, last)
-            if name not in {"world", *SWITCHES, *ENDS, *WITHOUT_LOSS}:
+            texts = [text.text for text in self.texts(one.value)]
+            if name == "params_file" or any("--ros-args" in text for text in texts):
+                self.leave(one.key, *_OF_THE_NODE)
+            elif name not in {"world", *SWITCHES, *ENDS, *WITHOUT_LOSS}:
                 self.leave(
                     one.key,
                     f"The launch argument `{name}` of Gazebo Classic is gone.",
@@ -273,32 +304,65 @@ class _Port(PythonEdits):
                 )
             return [self._default_world()]
         value = self.value(world)
-        if isinstance(value, ast.Call) and name_of(value) == "LaunchConfiguration":
-            self._write_default_of(self.said(argument(value, 0, "variable_name")))
+        self._write_default_of(self._configuration(value))
         if isinstance(value, ast.List):  # a list of substitutions cannot be in another one
             if isinstance(world, ast.Name):
                 return [f"*{world.id}"]
             return [self.written(one) for one in value.elts]
         return [self.written(world)]
 
-    def _write_default_of(self, name: str | None) -> None:
+    def _configuration(self, node: ast.expr | None) -> str | None:
+        """The name of the launch argument that a node is the value of."""
+        value = self.value(node)
+        if isinstance(value, ast.Call) and name_of(value) == "LaunchConfiguration":
+            return self.said(argument(value, 0, "variable_name"))
+        return None
+
+    def _write_default_of(self, name: str | None, taker: WorldTaker | None = None) -> None:
         """Where the default of a launch argument means Classic's default world, write another."""
-        declaration = self.declared.get(name or "")
+        if name is None:
+            return
+        self.worlds.add(name)
+        declaration = self.declared.get(name)
         default = argument(declaration, 1, "default_value") if declaration else None
         text = self.text(default)
         if text is not None and text.text in DEFAULT_WORLDS:
-            self.replace(text.node, self._default_world())
+            self.replace(text.node, self._default_world(taker))
 
-    def _default_world(self) -> str:
-        if self.context.default_world is None:
+    def _pass_worlds(self) -> None:
+        """Port the worlds that are given to other launch files."""
+        for call in self.calls("IncludeLaunchDescription"):
+            texts = [one.text for one in self.texts(call)]
+            names = (text.rpartition("/")[2] for text in texts)
+            taker = next(filter(None, map(self.context.takers.get, names)), None)
+            if taker is None or any(OLD_PACKAGE in text for text in texts):
+                continue
+            given = self.entries(self.value(argument(call, 1, "launch_arguments"))) or {}
+            for name in taker.arguments:
+                if name not in given:
+                    self._write_default_of(name if name in self.declared else None, taker)
+                    continue
+                self._write_world(given[name].value, taker)
+
+    def _write_world(self, world: ast.expr, taker: WorldTaker | None = None) -> None:
+        """Where Classic's default world is given, or an argument with it, write another."""
+        text = self.text(world)
+        if text is not None and text.text in DEFAULT_WORLDS:
+            self.replace(text.node, self._default_world(taker))
+        self._write_default_of(self._configuration(world), taker)
+
+    def _default_world(self, taker: WorldTaker | None = None) -> str:
+        of = taker or self.context
+        if of.default_world is None:
             return self.quoted(EMPTY_WORLD)
-        self.files.add(self.context.default_world)
+        if of.package == self.context.package:
+            self.files.add(of.default_world)
         self.imports += [
             "from launch.substitutions import PathJoinSubstitution",
             "from launch_ros.substitutions import FindPackageShare",
         ]
-        parts = ", ".join(map(self.quoted, self.context.default_world.split("/")))
-        share = f"FindPackageShare({self.quoted(self.context.package)})"
+        parts = ", ".join(map(self.quoted, of.default_world.split("/")))
+        share = f"FindPackageShare({self.quoted(of.package)})"
         return f"PathJoinSubstitution([{share}, {parts}])"
 
     def _switch(self, value: Given) -> bool | None:
@@ -333,9 +397,12 @@ class _Port(PythonEdits):
                 self.remove(node, node)
             elif text == "--verbose":
                 self.replace(node, f"{self.quoted('-v')}, {self.quoted('4')}")
-            elif text == "--ros-args":
-                self.remove(node, node)
-            elif text in {"-s", "-g", "-p", "--params-file", "--extra-gazebo-args"}:
+            elif text in {"--ros-args", _EXTRA}:
+                self.remove(node, words[-1])
+                if any(word is None or word.startswith("-") for word in texts[index:]):
+                    self.leave(node, *_OF_THE_NODE)
+                break
+            elif text in {"-s", "-g", "-p", "--params-file", f"--{_EXTRA}"}:
                 given = texts[index] if index < len(words) else ""
                 self.remove(node, words[min(index, len(words) - 1)])
                 index += 1
@@ -347,6 +414,7 @@ class _Port(PythonEdits):
                     )
             elif text is None or not text.startswith("-"):
                 has_world = True
+                self._write_world(node)
         options = ["gz", "sim", *part.split(), *([] if is_paused or part == CLIENT else ["-r"])]
         command = ", ".join(map(self.quoted, options))
         if not has_world and part != CLIENT:

@@ -193,6 +193,7 @@ class _Port:
         return DISTROS.index(self.distro) >= DISTROS.index(distro)
 
     def _stamped(self, path: str, line: int, kind: str, *, is_alone: bool) -> None:
+        path = path.removeprefix("/**/")  # in any namespace: that of the launch
         name, topics = path.strip("/"), _TOPICS.get(kind)
         if topics is None or not is_alone:
             self._leave(

@@ -24,7 +24,7 @@ from wsgen.pipeline.check_package import PackageCheck
 from wsgen.pipeline.installed_as_built import lay_out
 from wsgen.pipeline.parallel import start_children
 from wsgen.porting.build_files import port_cmake, port_hook, port_setup
-from wsgen.porting.launch_files import OF_WORLD, Context, port_launch_file
+from wsgen.porting.launch_files import OF_WORLD, Context, WorldTaker, port_launch_file
 from wsgen.porting.launch_markup import port_markup
 from wsgen.porting.manifests import port_manifest
 from wsgen.porting.models import bridge_rows, find_followers, port_model
@@ -47,7 +47,9 @@ if TYPE_CHECKING:
 
 DEFAULT_WORLD = f"worlds/{EMPTY_WORLD}"
 _MARKUP = (".launch", ".launch.xml", ".launch.yaml", ".launch.yml")
-_OF_XML = (".urdf", ".xacro", ".gazebo", ".sdf", ".world", ".xml", ".trans", ".urdf.in")
+_OF_XML = (
+    *(".urdf", ".xacro", ".gazebo", ".sdf", ".world", ".model", ".xml", ".trans", ".urdf.in"),
+)
 _ROBOT, _SDF, _WORLD, _LAUNCH = (
     re.compile(rf"<{name}\b") for name in ("robot", "sdf", "world", "launch")
 )
@@ -127,7 +129,8 @@ def plan_port(targets: Targets, target: Target, environment: Mapping[str, str]) 
         known = _Known(rows, any_rows, systems, stampers)
         for port in ports:
             _port_worlds(port, target, systems, models)
-            _port_launch_files(port, target, known)
+        _port_launch_files(ports, target, known)
+        for port in ports:
             _list_code(port)
         _list_unstarted(stampers, ports)
         is_simulated = any(port.all().packages for port in ports)
@@ -282,30 +285,49 @@ class _Known(NamedTuple):
     stampers: Sequence[Stamper]
 
 
-def _port_launch_files(port: _Port, target: Target, known: _Known) -> None:
+def _port_launch_files(ports: Sequence[_Port], target: Target, known: _Known) -> None:
+    """Port the launch files of all packages; those that pass a world on, after what takes it."""
+    takers: dict[str, WorldTaker] = {}  # by the names of launch files
+    found: Collection[str] | None = None  # of them in the last round; None: there was none
+    while found is None or found:
+        before, rounds = found, [(port, _context(port, target, known)) for port in ports]
+        found = set()
+        for port, context in rounds:
+            for source in port.files((".py",)):
+                if source.file.name == "setup.py":
+                    continue
+                if before is not None and not any(name in source.text for name in before):
+                    continue
+                own = context(source)._replace(takers={**takers})
+                made = port_launch_file(source, own)
+                port.ports[source.file] = [made]
+                taker = WorldTaker(port.package.name, own.default_world, made.worlds)
+                if made.worlds and takers.get(source.file.name) != taker:
+                    takers[source.file.name] = taker
+                    found.add(source.file.name)
+    for port in ports:
+        context = _context(port, target, known)
+        for source in port.files((*_MARKUP, *LAUNCH_FILES)):
+            if source.file.suffix != ".py":
+                port.add(source, port_markup(source, context(source)))
+
+
+def _context(port: _Port, target: Target, known: _Known) -> Callable[[SourceText], Context]:
+    """What the launch files of a package are ported with."""
     own = next(
         (one.file for one in port.files((".world", ".sdf")) if one.file.stem == "empty"), None
     )
     world = DEFAULT_WORLD if known.systems else None
     if own is not None:
         world = own.relative_to(port.package.path).as_posix()
-
-    def context(source: SourceText) -> Context:
-        return Context(
-            rows=known.rows.get(real_path(source.file), {}),
-            package=port.package.name,
-            distro=target.distro,
-            default_world=world,
-            stampers=known.stampers,
-            any_rows=known.any_rows,
-        )
-
-    for source in port.files((".py",)):
-        if source.file.name != "setup.py":
-            port.add(source, port_launch_file(source, context(source)))
-    for source in port.files((*_MARKUP, *LAUNCH_FILES)):
-        if source.file.suffix != ".py":
-            port.add(source, port_markup(source, context(source)))
+    return lambda source: Context(
+        rows=known.rows.get(real_path(source.file), {}),
+        package=port.package.name,
+        distro=target.distro,
+        default_world=world,
+        stampers=known.stampers,
+        any_rows=known.any_rows,
+    )
 
 
 def _list_code(port: _Port) -> None:

@@ -37,6 +37,7 @@ class FilePort(NamedTuple):
     packages: frozenset[str] = frozenset()  # of ROS, that the file now needs
     systems: frozenset[str] = frozenset()  # of Gazebo Sim, that its world must load (class names)
     files: frozenset[str] = frozenset()  # that the package must now have, below its folder
+    worlds: frozenset[str] = frozenset()  # the arguments of a launch file that are worlds
 
 
 def joined(ports: Iterable[FilePort]) -> FilePort:
@@ -48,4 +49,5 @@ def joined(ports: Iterable[FilePort]) -> FilePort:
         packages=frozenset().union(*(one.packages for one in listed)),
         systems=frozenset().union(*(one.systems for one in listed)),
         files=frozenset().union(*(one.files for one in listed)),
+        worlds=frozenset().union(*(one.worlds for one in listed)),
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.fixes.launch_files import import_edit, name_of
@@ -169,8 +170,17 @@ class PythonEdits:
         self.unported.append(Unported(self.source.file, node.lineno, what, advice))
 
     def all_edits(self) -> tuple[Edit, ...]:
-        """The edits, with the imports that they need; those that add at one place are one."""
-        edits = [*self.edits]
+        """The edits, with the imports that they need.
+
+        Those that add at one place are one, and those that remove neighbors: of two, each takes
+        the comma between them.
+        """
+        edits = [one for one in self.edits if one.text or one.start == one.end]
+        for one in sorted(set(self.edits) - set(edits), key=lambda one: one.start):
+            if edits and not edits[-1].text and one.start < edits[-1].end:
+                edits[-1] = replace(edits[-1], end=max(edits[-1].end, one.end))
+            else:
+                edits.append(one)
         for statement in dict.fromkeys(self.imports):
             edits += import_edit(self.tree, statement)
         added: dict[int, str] = {}
