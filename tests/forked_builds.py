@@ -15,7 +15,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import forks
-from build import forked_colcon
+from building import forked_colcon
 from wsgen.building import colcon
 from wsgen.isolation import system
 from wsgen.isolation.forked import ENDING, ForkedProcess

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 import yaml
 
-from build.building import outside, plain_colcon
+from building.building import outside, plain_colcon
 from golden_support import CASES, EXAMPLES, LAUNCH_FILE, arguments, generate
 from wsgen.cli import run
 from wsgen.model.target import TARGETS

@@ -27,8 +27,8 @@ from classic.views import (
     station,
     write_world,
 )
-from ros_nodes.sensor_messages import install_sensor_messages
-from ros_nodes.test_sensors import mounted, run
+from live.nodes.sensor_messages import install_sensor_messages
+from live.nodes.test_sensors import mounted, run
 from wsgen.descriptions.sdf.models import read_sdf
 from wsgen.model.robot import Link, Robot
 from wsgen.model.transform import IDENTITY, Pose

@@ -19,8 +19,8 @@ import numpy as np
 import pytest
 
 from classic.gazebo_classic import NEEDS_CLASSIC, GazeboClassic, why_missing
-from ros_nodes.sensor_messages import install_sensor_messages
-from ros_nodes.test_sensors import mounted, run
+from live.nodes.sensor_messages import install_sensor_messages
+from live.nodes.test_sensors import mounted, run
 from wsgen.live.nodes.simulator.sensors.motion import InertialUnit
 from wsgen.model.robot import (
     Box,

@@ -9,7 +9,7 @@ import pytest
 
 from cli.packages import wsgen
 from cli.test_validate_files import link, urdf
-from report.test_cases import violations
+from reporting.test_cases import violations
 
 if TYPE_CHECKING:
     from pathlib import Path

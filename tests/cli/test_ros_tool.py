@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 import wsgen.cli
-from build.building import PACKAGE_XML
+from building.building import PACKAGE_XML
 from test_start_up import loaded
 from wsgen.cli.ros_tool import _is_sourced
 from wsgen.ros.environment import RosEnvironment

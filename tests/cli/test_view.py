@@ -13,7 +13,7 @@ import pytest
 
 import wsgen.cli
 from live_launch import is_alive, wait_until
-from viewing.robots import ARM, write_crane
+from reporting.viewing.robots import ARM, write_crane
 from wsgen.cli import view
 
 SPAWNING = """\

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from build.building import write_package
+from building.building import write_package
 from wsgen.cli.words import launch_file_of
 from wsgen.errors import NotFoundError, RequestError
 from wsgen.packages.workspace.layout import Workspace

@@ -1,4 +1,4 @@
-"""What nodes do with tf2_ros and the other packages of `ros_shim`; run where ROS is."""
+"""What nodes do with tf2_ros and the other packages of `wsgen/ros/shim`; run where ROS is."""
 
 import sys
 import threading

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from live.nodes.fake_ros import live_scene, plugin
 from ros_for_tests import variables_for
-from ros_nodes.fake_ros import live_scene, plugin
 from wsgen.isolation.codec import encode
 from wsgen.simulation.live_runs import FOLDER_VARIABLE, SCENE_FILE, LiveScene
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from build.building import COLCON, outside
+from building.building import COLCON, outside
 from golden_support import golden_package
 from wsgen.building.toolchain import Wheels, find_toolchain
 from wsgen.cli import run as wsgen
