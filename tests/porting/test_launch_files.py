@@ -235,6 +235,88 @@ def test_an_option_without_counterpart_is_listed() -> None:
     assert "`-robot_namespace` of spawn_entity.py is gone" in port.unported[0].what
 
 
+OWN = [
+    BridgeRow("/model/{model}/scan", "LaserScan", SCAN.ros_type, "[", "/{namespace}/scan"),
+    BridgeRow("/model/{model}/tf", "Pose_V", "tf2_msgs/msg/TFMessage", "[", "/tf"),
+]
+IN_LOOP = """\
+def generate_launch_description():
+    robots = []
+    for name, where in PLACES:
+        spawn = Node(
+            package='gazebo_ros', executable='spawn_entity.py',
+            arguments=['-file', model, '-entity', name, '-robot_namespace', [name, '_space']])
+        robots.append(spawn)
+    return LaunchDescription(robots)
+"""
+IN_COMPREHENSION = """\
+def generate_launch_description():
+    robots = [
+        Node(
+            package='gazebo_ros', executable='spawn_entity.py',
+            arguments=['-file', model, '-entity', name, '-robot_namespace', [name, '_space']])
+        for name in NAMES]
+    return LaunchDescription(robots)
+"""
+IN_FUNCTION = """\
+def spawner(name):
+    return Node(
+        package='gazebo_ros', executable='spawn_entity.py',
+        arguments=['-file', model, '-entity', name, '-robot_namespace', [name, '_space']])
+"""
+
+
+@pytest.mark.parametrize(("text", "line"), [(IN_LOOP, 4), (IN_COMPREHENSION, 3), (IN_FUNCTION, 2)])
+def test_each_of_several_robots_has_its_bridge(text: str, line: int) -> None:
+    after, port = ported(text, rows={line: OWN})
+    assert not port.unported
+    assert f"['/model/', name, '/scan@{SCAN.ros_type}[gz.msgs.LaserScan']," in after
+    assert "(['/model/', name, '/scan'], [name, '_space', '/scan'])," in after
+    assert "(['/model/', name, '/tf'], '/tf')," in after
+    assert after.count("namespace='/',") == 1
+    assert ("GroupAction([Node(" in after) != ("robots.append(Node(" in after)
+    assert ("from launch.actions import GroupAction" in after) == ("GroupAction([" in after)
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        (IN_LOOP.replace("(robots)", "([robots[0]])"), 4),
+        (IN_FUNCTION + "OnProcessExit(target_action=spawner('a'))\n", 2),
+    ],
+)
+def test_lists_a_bridge_without_a_certain_place(text: str, line: int) -> None:
+    after, port = ported(text, rows={line: OWN})
+    assert ["where the bridge of the topics belongs" in one.what for one in port.unported] == [True]
+    assert "parameter_bridge" not in after
+
+
+@pytest.mark.parametrize(("space", "topic"), [("/a", "/a/scan"), ("a", "/a/scan"), ("", "/scan")])
+def test_a_namespace_that_is_written_out_is_that_of_the_topics(space: str, topic: str) -> None:
+    text = SPAWNED.replace("-timeout", "-robot_namespace").replace("60", space)
+    after, port = ported(text.format(body="return LaunchDescription([spawn])"), rows={2: OWN})
+    assert f'"/model/rover/scan@{SCAN.ros_type}[gz.msgs.LaserScan",' in after
+    assert f'("/model/rover/scan", "{topic}"),' in after
+    assert "namespace=" not in after
+    assert not port.unported
+
+
+def test_frames_that_a_launch_file_writes_into_a_model() -> None:
+    after, port = ported(
+        """\
+        share = get_package_share_directory('gazebo_ros')
+        for tag in tree.iter('odometry_frame'):
+            tag.text = 'a/odom'
+        tree.find('.//frame_name').text = 'a/scan'
+        tree.find('.//sensor/plugin/frame_name').text = 'a/scan'
+        """
+    )
+    assert "tree.iter('odom_frame')" in after
+    assert "tree.find('.//gz_frame_id')" in after
+    assert "tree.find('.//sensor/plugin/frame_name')" in after
+    assert ["may be elsewhere" in one.what for one in port.unported] == [True]
+
+
 HANDLED = """handler = RegisterEventHandler(OnProcessStart(on_start=spawn))
     return LaunchDescription([
         handler,

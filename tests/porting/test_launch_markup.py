@@ -115,10 +115,48 @@ def test_the_spawner_and_its_bridge() -> None:
     )
     assert ported(xml(before), {3: [SCAN, ODOM, SCAN]}) == (
         xml(after),
-        ["3: `-robot_namespace` of spawn_entity.py is gone."],
+        [],
     )
+    robot_of_no_file = ["3: `-robot_namespace` of spawn_entity.py is gone, and which robot it was"]
+    assert [one.partition(" for ")[0] for one in ported(xml(before))[1]] == robot_of_no_file
     dos, _ = ported(xml(before).replace("\n", "\r\n"), {3: [SCAN, ODOM]})
     assert dos == xml(after).replace("\n", "\r\n")
+
+
+OWN = (
+    BridgeRow("/model/{model}/scan", "LaserScan", SCAN.ros_type, "[", "/{namespace}/scan"),
+    BridgeRow("/model/{model}/tf", "Pose_V", "tf2_msgs/msg/TFMessage", "[", "/tf"),
+)
+
+
+@pytest.mark.parametrize(
+    ("model", "space", "topic", "attribute"),
+    [
+        ("rover", "/a", "/a/scan", ""),
+        ("$(var name)", "$(var space)", "$(var space)/scan", ' namespace="/"'),
+    ],
+)
+def test_the_bridge_of_a_robot_in_a_namespace(
+    model: str, space: str, topic: str, attribute: str
+) -> None:
+    before = (
+        '  <node pkg="gazebo_ros" exec="spawn_entity.py"\n'
+        f'        args="-file a.sdf -entity {model} -robot_namespace {space}"/>\n'
+    )
+    after, listed = ported(xml(before), {2: [*OWN]})
+    assert f"/model/{model}/scan@{SCAN.ros_type}[gz.msgs.LaserScan" in after
+    assert f'output="screen"{attribute}>' in after
+    assert f'<remap from="/model/{model}/scan" to="{topic}"/>' in after
+    assert f'<remap from="/model/{model}/tf" to="/tf"/>' in after
+    assert listed == []
+    written = (
+        "launch:\n- node:\n    pkg: gazebo_ros\n    exec: spawn_entity.py\n"
+        f'    args: "-file a.sdf -entity {model} -robot_namespace {space}"\n'
+    )
+    after, listed = ported(written, {2: [*OWN]}, file="a.launch.yaml")
+    assert f'- from: "/model/{model}/scan"\n        to: "{topic}"' in after
+    assert ('    namespace: "/"\n' in after) == bool(attribute)
+    assert listed == []
 
 
 def test_commands() -> None:

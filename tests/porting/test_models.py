@@ -17,7 +17,7 @@ from wsgen.checks.rules.node_topics import topics_of
 from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.diagnostics import Severity
 from wsgen.model.target import choose_target
-from wsgen.porting.models import bridge_rows, find_followers, port_model
+from wsgen.porting.models import bridge_rows, find_followers, plugins_of, port_model
 from wsgen.porting.porter import Follower, Mounted, Robots
 from wsgen.text.xmltree import Malformed, parse
 
@@ -783,6 +783,57 @@ def test_bridges_what_gazebo_has(name: str) -> None:
     there = {(one.name, one.type, one.is_published) for one in topics_of(root, "robot", "world")}
     for row in bridge_rows(CASES[name][0], JAZZY):
         assert (row.gz_topic, row.gz_type, row.direction == "[") in there
+
+
+@pytest.mark.parametrize(
+    "name", [name for name, (before, _, _) in CASES.items() if "$" not in before]
+)
+def test_a_robot_of_several_has_topics_of_its_own(name: str) -> None:
+    before = CASES[name][0]
+    links = re.findall('reference="(.*?)"', before)
+    sensors = re.findall('<sensor name="(.*?)"', before)
+    mounted = frozenset(Mounted(one, link, link) for one in sensors for link in links)
+    robots = Robots(mounted=mounted, scoped=frozenset(plugins_of(before)))
+    after = apply(before, port_model(SourceText(FILE, before), JAZZY, robots).edits)
+    # As sdformat makes a model of it.
+    holder = "joint" if "force_torque" in after else "link"
+    model = re.sub(
+        '<gazebo reference="(.*?)">(.*?)</gazebo>',
+        rf'<{holder} name="\1">\2</{holder}>',
+        after,
+        flags=re.DOTALL,
+    )
+    root = parse(model)
+    assert not isinstance(root, Malformed)
+    there = {(one.name, one.type, one.is_published) for one in topics_of(root, "robot", "world")}
+    rows = bridge_rows(before, JAZZY, robots, namespace="{namespace}")
+    assert len(rows) == len(bridge_rows(before, JAZZY))
+    for row in rows:
+        own = row.gz_topic.format(model="robot", world="world")
+        assert "/model/robot/" in own
+        assert (own, row.gz_type, row.direction == "[") in there
+        # Names that begin with a slash are the same for all robots.
+        assert row.ros_topic.startswith(("/{namespace}/", "/tf", "/velodyne/"))
+
+
+def test_a_model_of_a_world_keeps_its_name() -> None:
+    model = (
+        """<model name="rover"><plugin name="p" filename="libgazebo_ros_planar_move.so"/></model>"""
+    )
+    robots = Robots(scoped=frozenset({("p", "libgazebo_ros_planar_move.so")}))
+    for text, name in (
+        (f"<sdf>{model}</sdf>", "{model}"),
+        (f'<sdf><world name="w">{model}</world></sdf>', "rover"),
+    ):
+        assert bridge_rows(text, JAZZY, robots)[0].gz_topic == f"/model/{name}/cmd_vel"
+
+
+def test_lists_a_second_plugin_for_the_same_topic() -> None:
+    plugin = '<plugin name="p{}" filename="libgazebo_ros_p3d.so"><ros><namespace>{}</namespace></ros></plugin>'
+    text = in_robot(f"<gazebo>{plugin.format(1, 'a')}{plugin.format(2, 'b')}</gazebo>")
+    robots = Robots(scoped=frozenset({("p1", "libgazebo_ros_p3d.so")}))
+    port = port_model(SourceText(FILE, text), JAZZY, robots)
+    assert ["Two plugins" in one.what for one in port.unported] == [True]
 
 
 def wheel(side: str) -> str:

@@ -18,7 +18,7 @@ from wsgen.model.transform import Pose
 from wsgen.pipeline.check import find_targets
 from wsgen.pipeline.clock import Clock
 from wsgen.porting.measured import DRIVES, Measured, Side, measure
-from wsgen.porting.plan import PortPlan
+from wsgen.porting.plan import PortPlan, plan_port
 from wsgen.porting.proof import Compared, compare, prove_port
 from wsgen.porting.robot_topics import RosTopic
 
@@ -340,6 +340,45 @@ def test_before_is_given(tmp_path: Path) -> None:
     )
     assert found.passed
     assert found.before == "as given"
+
+
+LOOP = """
+def generate_launch_description():
+    share = get_package_share_directory('cart')
+    actions = [IncludeLaunchDescription(PythonLaunchDescriptionSource(os.path.join(
+        get_package_share_directory('gazebo_ros'), 'launch', 'gazebo.launch.py')))]
+    for name, x in (('one', '0'), ('two', '2')):
+        spawn = Node(
+            package='gazebo_ros', executable='spawn_entity.py',
+            arguments=['-entity', name, '-file', os.path.join(share, 'urdf', 'cart.urdf'),
+                       '-x', x, '-z', '0.05', '-robot_namespace', f'/{name}_space'])
+        actions.append(spawn)
+    return LaunchDescription(actions)
+"""
+
+
+@pytest.mark.slow
+def test_several_robots_of_a_model_have_the_same_topics_after_the_port(tmp_path: Path) -> None:
+    launch = f"{LAUNCH.partition('def ')[0]}{LOOP}"
+    lumped = CLASSIC["urdf/cart.urdf"].replace(
+        '<gazebo reference="base">', '<gazebo reference="ball">'
+    )
+    files = {**CLASSIC, "launch/sim.launch.py": launch, "urdf/cart.urdf": lumped}
+    targets = find_targets([written(tmp_path / "src" / "cart", files)])
+    plan = plan_port(targets, JAZZY, ENVIRONMENT)
+    assert plan.unported == ()
+    found = prove_port(targets, JAZZY, ENVIRONMENT, lambda: plan)
+    assert {row.robot for row in found.rows} == {"one", "two"}
+    assert [row for row in found.rows if not row.is_same] == []
+    after = measure(targets, ENVIRONMENT, None, Clock("before", None)).robots[0].topics
+    names = {one.name: one.frame for one in after}
+    assert names == {
+        "/clock": "",
+        "/one_space/cmd_vel": "",
+        "/one_space/odom": "odom → base",
+        "/one_space/scan": "base",
+        "/tf": "odom → base",
+    }
 
 
 def test_without_a_robot_there_is_nothing_to_compare(tmp_path: Path) -> None:

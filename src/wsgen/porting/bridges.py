@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import ast
+import re
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.fixes.launch_files import name_of
 from wsgen.model.facts import PROGRAMS
 from wsgen.model.target import SIM
+from wsgen.porting.porter import MODEL, NAMESPACE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from wsgen.porting.parameters import Stamper
     from wsgen.porting.ported import BridgeRow
@@ -19,6 +23,7 @@ if TYPE_CHECKING:
 BRIDGE_PACKAGE, BRIDGE = (PROGRAMS[SIM][key][1] for key in ("bridge_package", "bridge"))
 STAMPER = "twist_stamper"  # a package, and its program
 CLOCK = "/clock@rosgraph_msgs/msg/Clock[gz.msgs.Clock"
+_ORDERED = ("zip", "enumerate", "len")
 _STARTS = ("on_start", "on_exit", "actions", "on_completion")
 _HANDLERS = ("RegisterEventHandler", "TimerAction")
 
@@ -51,6 +56,11 @@ def renamed(rows: Sequence[BridgeRow]) -> dict[str, str]:
     return {row.gz_topic: row.ros_topic for row in rows if row.gz_topic != row.ros_topic}
 
 
+# For the placeholders of `BridgeRow`s: what the spawner says, as Python.
+Names = Mapping[str, ast.expr]
+_PLACEHOLDER = re.compile(f"({re.escape(MODEL)}|{re.escape(NAMESPACE)})")
+
+
 class _Place(NamedTuple):
     """Where an action is added."""
 
@@ -62,8 +72,40 @@ class _Place(NamedTuple):
 class BridgeWriter:
     """Adds the bridge to a launch file."""
 
-    def __init__(self, file: PythonEdits) -> None:
+    def __init__(self, file: PythonEdits, names: Names = MappingProxyType({})) -> None:
         self.file = file
+        self._names = {}  # those that are computed
+        self._said = {}  # those that are written out
+        for name, node in names.items():
+            said = file.said(node)
+            if said is None:
+                self._names[name] = node
+            else:
+                self._said[name] = said.strip("/")
+
+    def _python(self, text: str) -> str:
+        """A text as Python, with the names that the spawner gives.
+
+        Where the namespace is computed, the topic is one in that of the node: a slash may begin it.
+        """
+        for name, said in self._said.items():
+            text = text.replace(f"/{name}", f"/{said}" if said else "")
+        if NAMESPACE in self._names:
+            text = text.removeprefix("/") if text.startswith(f"/{NAMESPACE}") else text
+        pieces: list[str] = []
+        for piece in filter(None, _PLACEHOLDER.split(text)):
+            node = self._names.get(piece)
+            value = self.file.value(node)
+            if node is None:
+                pieces.append(self.file.quoted(piece))
+            elif not isinstance(value, (ast.List, ast.Tuple)):
+                pieces.append(self.file.written(node))
+            elif isinstance(node, ast.Name):  # a list of substitutions cannot be in another one
+                pieces.append(f"*{node.id}")
+            else:
+                pieces += map(self.file.written, value.elts)
+        is_text = len(pieces) == 1 and text not in self._names
+        return pieces[0] if is_text else f"[{', '.join(pieces)}]"
 
     def start(
         self, beside: Sequence[ast.Call], rows: Sequence[BridgeRow], *, with_clock: bool
@@ -102,13 +144,15 @@ class BridgeWriter:
         places = next((found for one in beside if (found := [*self._places(one)])), [])
         for place, indent, form in places:
             inner, quoted = f"{indent}    ", self.file.quoted
-            pairs = [f"({quoted(one)}, {quoted(other)})" for one, other in renamed.items()]
+            pairs = [f"({self._python(one)}, {self._python(to)})" for one, to in renamed.items()]
+            is_relative = NAMESPACE in self._names and NAMESPACE in "".join(renamed.values())
             parameters = [f"{{{quoted('use_sim_time')}: {sim_time}}}"] if sim_time else []
             lines = [
                 "Node(",
                 f"{inner}package={quoted(program[0])},",
                 f"{inner}executable={quoted(program[1])},",
-                *_listed("arguments", map(quoted, arguments), inner),
+                *([f"{inner}namespace={quoted('/')},"] if is_relative else []),
+                *_listed("arguments", map(self._python, arguments), inner),
                 *_listed("parameters", parameters, inner),
                 *_listed("remappings", pairs, inner),
                 f"{inner}output={quoted('screen')},",
@@ -158,14 +202,40 @@ class BridgeWriter:
             if file.source.text[: tree.start(node)].rpartition("\n")[2].strip():
                 indent += "    "  # others are on its line
             return _Place(tree.end(node), indent, f",{newline}{indent}{{}}")
-        if isinstance(parent, ast.Call) and name_of(parent) == "add_action":
-            statement = file.parents.get(parent)
-            if isinstance(statement, ast.Expr) and isinstance(parent.func, ast.Attribute):
+        if isinstance(parent, ast.Call) and isinstance(parent.func, ast.Attribute):
+            statement, method = file.parents.get(parent), parent.func.attr
+            is_added = method == "add_action" or (
+                method == "append" and self._is_list_of_actions(parent.func.value)
+            )
+            if isinstance(statement, ast.Expr) and is_added:
                 indent = file.source.indent_at(tree.start(statement))
                 receiver = file.written(parent.func.value)
-                form = f"{newline}{indent}{receiver}.add_action({{}})"
+                form = f"{newline}{indent}{receiver}.{method}({{}})"
                 return _Place(tree.end(statement), indent, form)
+        if (isinstance(parent, ast.ListComp) and parent.elt is node) or (
+            isinstance(parent, ast.Return) and not self._is_waited_for()
+        ):
+            file.insert(tree.start(node), "GroupAction([")
+            file.imports.append("from launch.actions import GroupAction")
+            indent = file.source.indent_at(tree.start(node)) + "    "
+            return _Place(tree.end(node), indent, f",{newline}{indent}{{}}])")
         return None
+
+    def _is_waited_for(self) -> bool:
+        """Whether a handler may wait for an action, which a group cannot be."""
+        return any(one.arg == "target_action" for one in self.file.tree.all(ast.keyword))
+
+    def _is_list_of_actions(self, node: ast.expr) -> bool:
+        """Whether a list has nothing to do but to be started: no place in it counts."""
+        if not isinstance(node, ast.Name):
+            return False
+        uses = [one for one in self.file.tree.all(ast.Name) if one.id == node.id]
+        parents = [self.file.parents.get(one) for one in uses]
+        return not any(
+            isinstance(one, ast.Subscript)
+            or (isinstance(one, ast.Call) and name_of(one) in _ORDERED)
+            for one in parents
+        )
 
     def _uses(self, call: ast.expr, depth: int = 4) -> Iterator[ast.expr]:
         """The call, what starts it, and the names that stand for one of them.

@@ -15,13 +15,14 @@ from wsgen.checks.fixes.launch_files import RENAMED, name_of, tree_of
 from wsgen.checks.fixes.source import Edit
 from wsgen.checks.rules.controllers import MANAGER
 from wsgen.checks.rules.dependencies import FOR_GAZEBO_SIM
-from wsgen.gazebo.successors import VARIABLES
+from wsgen.gazebo.successors import ODOMETRY, VARIABLES
 from wsgen.gazebo.systems import EMPTY_WORLD
 from wsgen.launching.spawner_options import CREATE, SPAWN_ENTITY, SPAWNERS
 from wsgen.model.facts import PROGRAMS, ROS2_CONTROL_HARDWARE
-from wsgen.model.target import CLASSIC, SIM
+from wsgen.model.target import CLASSIC, SIM, Target
 from wsgen.porting.bridges import BRIDGE_PACKAGE, STAMPER, BridgeWriter
 from wsgen.porting.ported import FilePort
+from wsgen.porting.porter import MODEL, NAMESPACE
 from wsgen.porting.python_edits import PythonEdits, argument
 
 if TYPE_CHECKING:
@@ -63,9 +64,14 @@ DEFAULT_WORLDS = ("", "empty.world", "worlds/empty.world")
 TRUE = ("true", "1")
 # Options of spawn_entity.py without a counterpart, and without a loss: `create` waits by itself.
 DROPPED = ("timeout", "spawn_service_timeout", "gazebo_namespace", "unpause", "b")
+_NAMESPACE = "robot_namespace"
+# Options of it -> what bridges have for their values.
+OF_BRIDGE = {SPAWN_ENTITY.entity: MODEL, _NAMESPACE: NAMESPACE}
+LOST_NAMESPACE = (
+    f"`-{_NAMESPACE}` of {OLD_SPAWNER} is gone, and which robot it was for is not known.",
+    "Bridge the topics of the robot under their names in the namespace.",
+)
 ADVICE = {
-    "robot_namespace": "Give the plugins of the robot their topics, for example by an argument of "
-    "xacro.",
     "reference_frame": "Give the pose in the world.",
     "database": "Name the file of the model with -file.",
     "package_to_model": "Export the folder of the meshes in package.xml.",
@@ -80,6 +86,7 @@ _OF_THE_NODE = (
     "Gazebo Sim is not a node of ROS: what that of Gazebo Classic was given is gone.",
     "Remove a file of parameters that nothing else reads.",
 )
+_LOOKS_FOR_ELEMENTS = ("iter", "find", "findall", "iterfind")  # methods of ElementTree
 _INSTALLED_IN = "/opt/ros/"
 _INSTALLED = re.compile(rf"{_INSTALLED_IN}\w+")
 _NAMED = re.compile(r"(?i)gazebo|gzserver|gzclient")
@@ -154,6 +161,10 @@ class _Port(PythonEdits):
         self.packages: set[str] = set()
         self.files: set[str] = set()
         self.worlds: set[str] = set()
+        self.names: dict[ast.Call, dict[str, ast.expr]] = {}  # that spawners give, see `BridgeRow`
+        # Elements of robots with frames, which some launch files write anew for each robot.
+        frame_tag = Target(distro=context.distro, simulator=SIM).frame_tag
+        self.frames = {**ODOMETRY, "frame_name": frame_tag}
         self.declared = {
             name: call
             for call in self.calls("DeclareLaunchArgument")
@@ -453,7 +464,7 @@ class _Port(PythonEdits):
             self._rename_keywords(call)
             words = self.value(argument(call, None, "arguments"))
             if isinstance(words, (ast.List, ast.Tuple)):
-                self._options(words.elts)
+                self.names[call] = self._options(words.elts)
             elif words is not None:
                 self.leave(
                     words,
@@ -490,11 +501,14 @@ class _Port(PythonEdits):
             text = self.text(words[texts.index(old)])
             if text is not None:
                 self.rename(text, (old, new))
-        self._options(words)
+        names = self._options(words)
+        if NAMESPACE in names:
+            self.leave(names[NAMESPACE], *LOST_NAMESPACE)
         self.packages.add(PACKAGE)
 
-    def _options(self, words: Sequence[ast.expr]) -> None:
-        """Write the options of `create` for those of spawn_entity.py."""
+    def _options(self, words: Sequence[ast.expr]) -> dict[str, ast.expr]:
+        """Write the options of `create` for those of spawn_entity.py; gives the names in them."""
+        names: dict[str, ast.expr] = {}
         index = 0
         while index < len(words):
             node = words[index]
@@ -508,38 +522,47 @@ class _Port(PythonEdits):
             if name in SPAWN_ENTITY.with_value and not value and index < len(words):
                 last = words[index]
                 index += 1
+            if last is not node and name in OF_BRIDGE:
+                names[OF_BRIDGE[name]] = last
             if name == SPAWN_ENTITY.entity:
                 self.rename(text, (word, f"-{CREATE.entity}"))
             elif name is not None and name not in CREATE.names:
                 self.remove(node, last)
-                if name not in DROPPED:
+                if name not in DROPPED and name not in OF_BRIDGE:
                     self.leave(
                         node,
                         f"`-{name}` of {OLD_SPAWNER} is gone.",
                         ADVICE.get(name, f"`{_HELP}` has what there is."),
                     )
+        return names
 
     # The bridge
 
     def _bridges(self, servers: Sequence[ast.Call], spawners: Sequence[ast.Call]) -> None:
         """Start the bridge beside each spawner, with the clock beside the simulator."""
-        writer = BridgeWriter(self)
         is_started = False
         with_clock = bool(servers)
         of_world = self.context.rows.get(OF_WORLD, ())
         for call in spawners:
             lines = range(call.lineno, (call.end_lineno or call.lineno) + 1)
-            rows = self.context.rows_at(lines)
+            rows, names = self.context.rows_at(lines), self.names.get(call, {})
             if rows is None:
                 rows = self.context.any_rows
                 if rows:
                     self.leave(call, *UNKNOWN_ROBOT)
-            if rows or with_clock:
+                if NAMESPACE in names and self.said(names[NAMESPACE]) != "":
+                    self.leave(names[NAMESPACE], *LOST_NAMESPACE)
+            if NAMESPACE in names:  # there may be several robots, and names are known here alone
+                is_started |= bool(rows) and BridgeWriter(self, names).start(
+                    [call], rows, with_clock=False
+                )
+            elif rows or with_clock:
                 rows = [*(of_world if with_clock else ()), *rows]
+                writer = BridgeWriter(self, names)
                 is_started |= writer.start([call, *servers], rows, with_clock=with_clock)
                 with_clock = False
         if with_clock:
-            is_started |= writer.start(servers, of_world, with_clock=True)
+            is_started |= BridgeWriter(self).start(servers, of_world, with_clock=True)
         if is_started:
             self.packages.add(BRIDGE_PACKAGE)
 
@@ -596,6 +619,20 @@ class _Port(PythonEdits):
             if text is not None and text.text == OLD_PACKAGE:
                 self.rename(text, (OLD_PACKAGE, PACKAGE))
                 self.packages.add(PACKAGE)
+        for call in self.calls(*_LOOKS_FOR_ELEMENTS):
+            text = self.text(argument(call, 0))
+            path, _, name = text.text.rpartition("/") if text else ("", "", "")
+            new = self.frames.get(name)
+            if text is None or new is None or text.node not in call.args:
+                continue
+            if path.strip("./"):
+                self.leave(
+                    call,
+                    f"The port has written <{new}> for <{name}>, which may be elsewhere.",
+                    "Look it up where it is.",
+                )
+            else:
+                self.rename(text, (name, new))
         for text in self.texts(self.tree.module, depth=0):
             if text.text in DEFAULT_WORLDS[1:] and self._is_whole_value(text.node):
                 self.replace(text.node, self._default_world())

@@ -23,7 +23,9 @@ from wsgen.porting.launch_files import (
     ENDS,
     FILES,
     LAUNCH_FILE,
+    LOST_NAMESPACE,
     NAMES,
+    OF_BRIDGE,
     OF_WORLD,
     OLD_PACKAGE,
     OLD_SPAWNER,
@@ -39,6 +41,7 @@ from wsgen.porting.launch_files import (
     option_of,
 )
 from wsgen.porting.ported import FilePort, Unported
+from wsgen.porting.porter import NAMESPACE
 from wsgen.porting.xml_edits import Block, Editor, read_nodes
 
 if TYPE_CHECKING:
@@ -82,6 +85,8 @@ class _Markup:
         self.packages: set[str] = set()
         self.files: set[str] = set()
         self.declared: set[str] = set()  # the names of launch arguments
+        # By lines of spawners: what they say for the placeholders of `BridgeRow`s.
+        self.names: dict[int, dict[str, str]] = {}
 
     def leave(self, line: int, what: str, advice: str) -> None:
         """List what is left to the author."""
@@ -160,13 +165,15 @@ class _Markup:
             if name in SPAWN_ENTITY.with_value and index < len(words):
                 last = words[index]
                 index += 1
+                if name in OF_BRIDGE:
+                    self.names.setdefault(line, {})[OF_BRIDGE[name]] = last[0].strip("'\"")
             if name == SPAWN_ENTITY.entity:
                 parts += [text[place : word.start()], f"-{CREATE.entity}"]
                 place = word.end()
             elif name is not None and name not in CREATE.names:
                 parts.append(text[place : word.start()].rstrip())
                 place = last.end()
-                if name not in DROPPED:
+                if name not in DROPPED and name not in OF_BRIDGE:
                     self.leave(
                         line,
                         f"`-{name}` of {OLD_SPAWNER} is gone.",
@@ -207,12 +214,25 @@ class _Markup:
         self.packages.add(PACKAGE)
         return " ".join(("gz", "sim", *part.split(), *runs, *rest, *world))
 
-    def bridge(self, rows: Sequence[BridgeRow], *, with_clock: bool) -> Iterator[_Bridge]:
-        """The nodes that convert topics."""
+    def bridge(
+        self, rows: Sequence[BridgeRow], names: Mapping[str, str], *, with_clock: bool
+    ) -> Iterator[_Bridge]:
+        """The nodes that convert topics, with the names that the spawner gives."""
         self.packages.add(BRIDGE_PACKAGE)
+        space = names.get(NAMESPACE, "")
+        is_computed = "$" in space
+
+        def filled(text: str) -> str:
+            for name, said in names.items():
+                text = text.replace(f"/{name}", f"/{said}" if said else "")
+            # Where the namespace is computed, a slash may begin it.
+            return text.removeprefix("/") if text.startswith(f"/{space}/") and is_computed else text
+
         for part in parted(rows):
             words = dict.fromkeys([*([CLOCK] if with_clock else []), *map(option, part)])
-            yield _Bridge(" ".join(words), tuple(renamed(part).items()))
+            pairs = tuple((filled(one), filled(to)) for one, to in renamed(part).items())
+            is_relative = any(not to.startswith("/") for _, to in pairs)
+            yield _Bridge(" ".join(map(filled, words)), pairs, is_relative)
             with_clock = False
 
     def bridges(
@@ -222,18 +242,21 @@ class _Markup:
         with_clock = bool(servers)
         of_world = self.context.rows.get(OF_WORLD, ())
         for index, lines in spawners:
-            rows = self.context.rows_at(lines)
+            rows, names = self.context.rows_at(lines), self.names.get(lines[0], {})
+            names = {name: said.strip("/") for name, said in names.items()}
             if rows is None:
                 rows = self.context.any_rows
                 if rows:
                     self.leave(lines[0], *UNKNOWN_ROBOT)
+                if names.get(NAMESPACE):
+                    self.leave(lines[0], *LOST_NAMESPACE)
             if rows or with_clock:
                 rows = [*(of_world if with_clock else ()), *rows]
-                for bridge in self.bridge(rows, with_clock=with_clock):
+                for bridge in self.bridge(rows, names, with_clock=with_clock):
                     yield index, bridge
                 with_clock = False
         if with_clock:
-            for bridge in self.bridge(of_world, with_clock=True):
+            for bridge in self.bridge(of_world, {}, with_clock=True):
                 yield servers[0], bridge
 
 
@@ -242,6 +265,7 @@ class _Bridge(NamedTuple):
 
     words: str
     remappings: tuple[tuple[str, str], ...]
+    is_relative: bool  # names in ROS are those in the namespace of the node
 
 
 def port_markup(source: SourceText, context: Context) -> FilePort:
@@ -362,6 +386,7 @@ def _port_controllers(
 
 def _bridge_element(bridge: _Bridge) -> Block:
     attributes = f'pkg="{BRIDGE_PACKAGE}" exec="{BRIDGE}" args="{bridge.words}" output="screen"'
+    attributes += ' namespace="/"' if bridge.is_relative else ""
     remaps = [Block("remap", (), f'from="{one}" to="{other}"') for one, other in bridge.remappings]
     return Block("node", remaps, attributes)
 
@@ -535,6 +560,7 @@ def _item(source: SourceText, beside: _Action, bridge: _Bridge) -> str:
         f"{indent}- node:",
         f"{inner}pkg: {BRIDGE_PACKAGE}",
         f"{inner}exec: {BRIDGE}",
+        *([f'{inner}namespace: "/"'] if bridge.is_relative else []),
         f'{inner}args: "{bridge.words}"',
         *([f"{inner}remap:"] if bridge.remappings else []),
     ]

@@ -46,18 +46,31 @@ def find_followers(text: str) -> Iterator[tuple[str, Follower]]:
             yield without_computed(node.get("name")), follower
 
 
-def bridge_rows(text: str, target: Target) -> list[BridgeRow]:
+def bridge_rows(
+    text: str, target: Target, robots: Robots | None = None, *, namespace: str = ""
+) -> list[BridgeRow]:
     """The topics of ROS that a robot has for Gazebo Classic, and will have by a bridge.
 
     Args:
         text: The robot or model as Gazebo gets it: xacro has computed everything.
         target: For what it is ported.
+        robots: What launch files say about it.
+        namespace: That the spawner gives to its plugins.
     """
-    return _port(SourceText(Path("robot"), text), target).rows
+    return _port(SourceText(Path("robot"), text), target, robots, namespace).rows
 
 
-def _port(source: SourceText, target: Target, robots: Robots | None = None) -> Porter:
-    port = Porter(source, target, robots)
+def plugins_of(text: str) -> Iterator[tuple[str, str]]:
+    """The names of the plugins of a robot, with their file names."""
+    for node in read_nodes(SourceText(Path("robot"), text)):
+        if node.name == "plugin" and node.get("filename"):
+            yield node.get("name"), node.get("filename")
+
+
+def _port(
+    source: SourceText, target: Target, robots: Robots | None = None, namespace: str = ""
+) -> Porter:
+    port = Porter(source, target, robots, namespace)
     for node in port.nodes:
         if node.is_in(*_NOT_READ):
             continue

@@ -16,8 +16,11 @@ from wsgen.checks.fixes.source import Edit, apply, overlap, read_source
 from wsgen.descriptions.urdf.devices import read_devices
 from wsgen.descriptions.urdf.lumping import lump
 from wsgen.descriptions.urdf.reader import read_urdf
+from wsgen.gazebo.plugins import simulator_of
 from wsgen.gazebo.systems import EMPTY_WORLD
 from wsgen.isolation.parent import make_scratch
+from wsgen.launching.spawner_options import SPAWN_ENTITY, read_options
+from wsgen.model.target import CLASSIC
 from wsgen.packages.workspace.layout import BUILD_MARKERS, LAUNCH_FILES
 from wsgen.packages.workspace.settings import FILE as SETTINGS
 from wsgen.pipeline.check_package import PackageCheck
@@ -27,10 +30,10 @@ from wsgen.porting.build_files import port_cmake, port_hook, port_setup
 from wsgen.porting.launch_files import OF_WORLD, Context, WorldTaker, port_launch_file
 from wsgen.porting.launch_markup import port_markup
 from wsgen.porting.manifests import port_manifest
-from wsgen.porting.models import bridge_rows, find_followers, port_model
+from wsgen.porting.models import bridge_rows, find_followers, plugins_of, port_model
 from wsgen.porting.parameters import port_parameters
 from wsgen.porting.ported import FilePort, Unported, joined
-from wsgen.porting.porter import Mounted, Robots
+from wsgen.porting.porter import MODEL, NAMESPACE, WORLD, Mounted, Robots
 from wsgen.porting.worlds import model_names, new_world, port_world
 from wsgen.text.files import list_files, real_path, remembering
 
@@ -41,6 +44,7 @@ if TYPE_CHECKING:
     from wsgen.model.target import Target
     from wsgen.packages.workspace.layout import PackageFolder
     from wsgen.pipeline.check import Targets
+    from wsgen.pipeline.started import Started
     from wsgen.porting.parameters import Stamper
     from wsgen.porting.ported import BridgeRow
 
@@ -54,6 +58,7 @@ _ROBOT, _SDF, _WORLD, _LAUNCH = (
     re.compile(rf"<{name}\b") for name in ("robot", "sdf", "world", "launch")
 )
 _OF_MODEL = re.compile(r"<uri>\s*model://([^/<\s]+)/?\s*</uri>")
+_NAME_OF_WORLD = re.compile(r"<world\b[^>]*\bname\s*=\s*[\"']([^\"']+)")
 _MODEL = "model.config"  # in the folder of a model
 _OF_YAML = (".yaml", ".yml")
 _HOOKS = (".sh", ".sh.in", ".dsv", ".dsv.in")
@@ -109,7 +114,8 @@ def plan_port(targets: Targets, target: Target, environment: Mapping[str, str]) 
         NotReadableError: A folder cannot be laid out.
     """
     with remembering():
-        rows, mounted = _look_at_launches(targets, target, environment)
+        launches = _Launches(targets, environment)
+        robots = launches.robots()
         of_ros_1 = [one for one in targets.packages if one.build_type == "catkin"]
         ports = [_Port(package) for package in targets.packages if package not in of_ros_1]
         followers = dict(
@@ -119,13 +125,14 @@ def plan_port(targets: Targets, target: Target, environment: Mapping[str, str]) 
             for one in find_followers(source.text)
         )
         for port in ports:
-            _port_models(port, target, Robots(frozenset(mounted), followers))
+            _port_models(port, target, robots._replace(followers=followers))
         systems = frozenset().union(*(port.all().systems for port in ports))
         models = {name for port in ports for name in model_names(port.package.path)}
         models |= {port.package.name for port in ports}
         any_rows = [*dict.fromkeys(row for port in ports for row in _fixed_rows(port, target))]
         stampers = [one for port in ports for one in _port_parameters(port, target)]
         stampers = [_as_renamed(one, ports) for one in stampers]
+        rows = launches.rows(target, robots)
         known = _Known(rows, any_rows, systems, stampers)
         for port in ports:
             _port_worlds(port, target, systems, models)
@@ -137,7 +144,8 @@ def plan_port(targets: Targets, target: Target, environment: Mapping[str, str]) 
         for port in ports:
             _port_build(port, target, ports, is_simulated=is_simulated)
     plan = _collect(ports, target, systems)
-    return plan._replace(unported=(*map(_left_in_ros_1, of_ros_1), *plan.unported))
+    left = (*map(_left_in_ros_1, of_ros_1), *launches.controlled_in_namespaces())
+    return plan._replace(unported=(*left, *plan.unported))
 
 
 def _left_in_ros_1(package: PackageFolder) -> Unported:
@@ -149,45 +157,111 @@ def _left_in_ros_1(package: PackageFolder) -> Unported:
     )
 
 
-def _look_at_launches(
-    targets: Targets, target: Target, environment: Mapping[str, str]
-) -> tuple[dict[str, dict[int, list[BridgeRow]]], set[Mounted]]:
-    """The topics of the robots that spawners put into the simulator, and the sensors of these.
+class _Launches:
+    """What the launch files of packages put into the simulator."""
 
-    The topics are by real path and line of the spawner.
-    """
-    mounted: set[Mounted] = set()
-    found: dict[str, dict[int, list[BridgeRow]]] = defaultdict(lambda: defaultdict(list))
-    models = {
-        file.parent.name: file
-        for package in targets.packages
-        for file in list_files(package.path, (".sdf",), markers=BUILD_MARKERS)
-        if file.name == "model.sdf"
-    }
-    with make_scratch(in_memory=True) as scratch, start_children() as run:
-        installed = lay_out(targets, scratch, environment)
-        for package in targets.packages:
-            if package.diagnostics:
-                continue
-            check = PackageCheck(package, installed, None, None, run, scratch)
-            for one in check.evaluate():
-                simulator = one.started.simulator
-                if simulator is not None and simulator.world:
-                    rows = list(_rows_of_world(Path(simulator.world), models, target))
-                    for file in one.started.plan.evaluated_files:
-                        here = found[real_path(file)][OF_WORLD]
-                        here += [row for row in rows if row not in here]
-                for spawn in one.started.spawns:
-                    process = spawn.process
-                    if process is None or process.file is None or process.line is None:
-                        continue
-                    if not spawn.description:
-                        continue
-                    here = found[real_path(process.file)][process.line]
-                    rows = bridge_rows(spawn.description, target)
-                    here += [row for row in rows if row not in here]
-                    mounted.update(_mounted(spawn.description))
-    return found, mounted
+    def __init__(self, targets: Targets, environment: Mapping[str, str]) -> None:
+        self._models = {
+            file.parent.name: file
+            for package in targets.packages
+            for file in list_files(package.path, (".sdf",), markers=BUILD_MARKERS)
+            if file.name == "model.sdf"
+        }
+        self._spawns: dict[tuple[str, int], list[_Spawned]] = defaultdict(list)
+        # Their texts, by the launch files that take part; "": Gazebo's own world.
+        self._worlds: dict[str, set[str]] = defaultdict(set)
+        with make_scratch(in_memory=True) as scratch, start_children() as run:
+            installed = lay_out(targets, scratch, environment)
+            for package in targets.packages:
+                if not package.diagnostics:
+                    check = PackageCheck(package, installed, None, None, run, scratch)
+                    for one in check.evaluate():
+                        self._take(one.started)
+
+    def _take(self, started: Started) -> None:
+        simulator = started.simulator
+        if simulator is not None:
+            source = read_source(Path(simulator.world)) if simulator.world else None
+            for file in started.plan.evaluated_files:
+                self._worlds[real_path(file)].add("" if source is None else source.text)
+        for spawn in started.spawns:
+            process = spawn.process
+            if process is not None and process.file and process.line and spawn.description:
+                namespace = read_options(process, SPAWN_ENTITY).values.get("robot_namespace")
+                found = _Spawned(spawn.description, namespace)
+                self._spawns[real_path(process.file), process.line].append(found)
+
+    def robots(self) -> Robots:
+        """What models need to know of the robots that are spawned."""
+        found = (one for ones in self._spawns.values() for one in ones)
+        spawns = {
+            one.description: one for one in sorted(found, key=lambda one: bool(one.namespace))
+        }
+        spaces = {
+            one.description for ones in self._spawns.values() for one in ones if one.namespace
+        }
+        return Robots(
+            mounted=frozenset(one for text in spawns for one in _mounted(text)),
+            scoped=frozenset(
+                one
+                for text in spaces
+                for one in plugins_of(text)
+                if simulator_of(one[1]) == CLASSIC
+            ),
+        )
+
+    def rows(self, target: Target, robots: Robots) -> dict[str, dict[int, list[BridgeRow]]]:
+        """The topics of the robots that spawners put into the simulator, by real path and line."""
+        found: dict[str, dict[int, list[BridgeRow]]] = defaultdict(lambda: defaultdict(list))
+        for launch_file, texts in self._worlds.items():
+            found[launch_file][OF_WORLD] += dict.fromkeys(
+                row._replace(gz_topic=row.gz_topic.replace(WORLD, name))
+                for text in texts
+                for name in _names_of_worlds(text)
+                for row in _rows_of_world(text, self._models, target, robots)
+            )
+        for (launch_file, line), spawns in self._spawns.items():
+            texts = self._worlds.get(launch_file) or set().union(*self._worlds.values()) or {""}
+            names = {name for text in texts for name in _names_of_worlds(text)}
+            found[launch_file][line] += dict.fromkeys(
+                row._replace(gz_topic=row.gz_topic.replace(WORLD, name))
+                for one in dict.fromkeys(spawns)
+                for row in one.rows(target, robots)
+                for name in sorted(names)
+            )
+        return found
+
+    def controlled_in_namespaces(self) -> Iterator[Unported]:
+        """The spawners whose namespace is that of controllers, too."""
+        for (launch_file, line), spawns in self._spawns.items():
+            if any(one.namespace and "gazebo_ros2_control" in one.description for one in spawns):
+                yield Unported(
+                    Path(launch_file),
+                    line,
+                    "The namespace of the spawner was that of the controller manager, too.",
+                    "Write it into <ros><namespace> of the plugin gz_ros2_control-system, for "
+                    "example by an argument of xacro.",
+                )
+
+
+class _Spawned(NamedTuple):
+    """A robot that a spawner puts into the simulator."""
+
+    description: str
+    namespace: str | None  # that is given to its plugins; None: the spawner has no such option
+
+    def rows(self, target: Target, robots: Robots) -> list[BridgeRow]:
+        """Its topics."""
+        robots = robots._replace(mounted=frozenset(_mounted(self.description)))
+        rows = bridge_rows(self.description, target, robots)
+        if self.namespace is None:
+            return rows
+        scoped = bridge_rows(self.description, target, robots, namespace=NAMESPACE)
+        as_alone = [
+            row._replace(ros_topic=row.ros_topic.replace(f"/{NAMESPACE}", "")) for row in scoped
+        ]
+        # An empty namespace leaves plugins their own one.
+        return scoped if self.namespace or as_alone == rows else rows
 
 
 def _mounted(description: str) -> Iterator[Mounted]:
@@ -199,16 +273,22 @@ def _mounted(description: str) -> Iterator[Mounted]:
             yield Mounted(one.name, one.frame, one.link)
 
 
-def _rows_of_world(file: Path, models: Mapping[str, Path], target: Target) -> Iterator[BridgeRow]:
+def _names_of_worlds(text: str) -> list[str]:
+    """The names of the worlds of a file; Gazebo's own one has this name for Gazebo Sim."""
+    return _NAME_OF_WORLD.findall(text) or [Path(DEFAULT_WORLD).stem]
+
+
+def _rows_of_world(
+    text: str, models: Mapping[str, Path], target: Target, robots: Robots
+) -> Iterator[BridgeRow]:
     """The topics of the models in a world or model, and of those of the workspace in it."""
-    source = read_source(file)
-    if source is None:
-        return
-    yield from bridge_rows(source.text, target)
-    for name in dict.fromkeys(_OF_MODEL.findall(source.text)):
-        if name in models:
+    yield from bridge_rows(text, target, robots) if text else ()
+    for name in dict.fromkeys(_OF_MODEL.findall(text)):
+        source = read_source(models[name]) if name in models else None
+        if source is not None:
             others = {known: path for known, path in models.items() if known != name}
-            yield from _rows_of_world(models[name], others, target)
+            for row in _rows_of_world(source.text, others, target, robots):
+                yield row._replace(gz_topic=row.gz_topic.replace(MODEL, name))
 
 
 def _fixed_rows(port: _Port, target: Target) -> Iterator[BridgeRow]:

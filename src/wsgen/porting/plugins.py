@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wsgen.gazebo.bridged_types import PAIRS
-from wsgen.gazebo.plugins import TWO_WHEELS, simulator_of, stem
+from wsgen.gazebo.plugins import PLUGINS, TWO_WHEELS, simulator_of, stem
 from wsgen.gazebo.successors import (
     CONVERSIONS,
     COUNTERPARTS,
@@ -14,7 +14,7 @@ from wsgen.gazebo.successors import (
     ODOMETRY_OF_WHEELS,
     WITHOUT_COUNTERPART,
 )
-from wsgen.gazebo.systems import CONTROL, is_of_gz, systems
+from wsgen.gazebo.systems import CONTROL, is_of_gz, library_of
 from wsgen.model.target import CLASSIC
 from wsgen.porting.porter import (
     FROM_GAZEBO,
@@ -25,10 +25,11 @@ from wsgen.porting.porter import (
     number,
     product,
 )
+from wsgen.porting.topics import absolute
 from wsgen.porting.xml_edits import COMPUTED, CONDITIONS, Block
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Mapping
+    from collections.abc import Callable, Collection
 
     from wsgen.gazebo.successors import Conversion
     from wsgen.porting.porter import Porter
@@ -54,12 +55,13 @@ _TORQUE, _SOURCE = "max_wheel_torque", "odometry_source"
 _LATER = (_ACCELERATION, _TORQUE, _SOURCE)
 _HOLDERS_OF_JOINTS = ("robot", "model", "xacro:macro")
 _FAST = 1000  # rad/s, faster than any wheel: a <limit> of URDF has a velocity
+_UNREAD = "odometry_of_wheels"  # a topic that no bridge converts
 _BY_WHEELS = ("0", "encoder")  # where the odometry is from
 
 
 def port_plugin(port: Porter, node: Node) -> None:
     """Port a plugin that is not in a sensor or a world."""
-    plugin = ClassicPlugin(node)
+    plugin = port.plugin(node)
     if _is_there(port, plugin):
         port.editor.remove(node)
     elif plugin.stem in CONVERSIONS:
@@ -118,8 +120,7 @@ def _become(port: Porter, node: Node, filename: str, name: str) -> None:
 
 def _system(name: str) -> tuple[str, str]:
     """The file name and the name of a plugin, by its class."""
-    library = next(one for one, classes in systems().items() if name in classes)
-    return f"gz-sim-{library}-system", f"gz::sim::systems::{name}"
+    return library_of(name), f"gz::sim::systems::{name}"
 
 
 def _new_plugin(system: str, content: list[Block]) -> Block:
@@ -153,7 +154,7 @@ def _convert(port: Porter, plugin: ClassicPlugin, made: Conversion) -> None:
             values[new] = half(text) or text if name == "wheel_diameter" else text
             port.editor.append(plugin.node, Block(new, values[new]))
     _list_lost(port, plugin, lost)
-    _name_topics(port, plugin, made.topics)
+    _name_topics(port, plugin, made)
     more = _MORE.get(plugin.stem)
     if more is not None:
         more(port, plugin, values)
@@ -213,44 +214,60 @@ def _names(plugin: ClassicPlugin) -> dict[str, str]:
     return found
 
 
-def _name_topics(port: Porter, plugin: ClassicPlugin, parameters: Mapping[str, str]) -> None:
+def _name_topics(port: Porter, plugin: ClassicPlugin, made: Conversion) -> None:
     """Write the names of topics, and have them bridged."""
     names = _names(plugin)
-    for use, parameter in parameters.items():
-        if use in names:
+    for use, parameter in made.topics.items():
+        if use in names and not port.is_scoped:
             port.editor.append(plugin.node, Block(parameter, names[use]))
     for use, name in names.items():
-        if use in parameters:
-            _bridge(port, plugin, use, name)
+        if use in made.topics:
+            _bridge(port, plugin, use, name, made.system)
 
 
 # A type of ROS -> that of Gazebo which is converted to it.
 _GZ_TYPES = {types[0]: gz_type for gz_type, types in reversed(PAIRS.items())}
 
 
-def _bridge(port: Porter, plugin: ClassicPlugin, use: str, name: str) -> None:
-    """Have a topic of a plugin converted, which has one name in Gazebo and in ROS."""
+def _bridge(port: Porter, plugin: ClassicPlugin, use: str, name: str, system: str) -> None:
+    """Have a topic of a plugin converted, which has one name in Gazebo and in ROS.
+
+    In Gazebo it is that which a system has by itself where the topics are those of one robot alone.
+    """
     topic = plugin.facts.topics[use]
     way = TO_GAZEBO if topic.is_read else FROM_GAZEBO
-    port.bridge(name, _GZ_TYPES[topic.type], name, way=way)
+    in_gazebo = _own_topic(port, plugin, system, use) if port.is_scoped else name
+    if any(row.gz_topic == in_gazebo != row.ros_topic != absolute(name) for row in port.rows):
+        port.leave(
+            plugin.node,
+            f"Two plugins publish on {in_gazebo} in Gazebo Sim, as several robots have them.",
+            f"Give one of them a topic that other robots do not have, and bridge it as {name}.",
+        )
+    port.bridge(in_gazebo, _GZ_TYPES[topic.type], name, way=way)
+
+
+def _own_topic(port: Porter, plugin: ClassicPlugin, system: str, use: str) -> str:
+    """The topic of a system where nothing names it."""
+    return port.own_topic(plugin.node, PLUGINS[stem(library_of(system))].topics[use].name)
 
 
 def _odometry(
-    port: Porter, plugin: ClassicPlugin, parameters: dict[str, str], rate: str
+    port: Porter, plugin: ClassicPlugin, parameters: dict[str, str], rate: str, system: str
 ) -> list[Block]:
     """What publishes odometry under the names of Gazebo Classic; nothing if that does not."""
     names = _names(plugin)
     by_use = {"odometry": "odom_topic", "tf": "tf_topic"}
-    blocks = [Block(by_use[use], names[use]) for use in by_use if use in names]
-    for use in by_use:
-        if use in names:
-            _bridge(port, plugin, use, names[use])
-    if blocks:
-        blocks += [
-            Block(new, plugin.value(name, plugin.default(name))) for name, new in parameters.items()
-        ]
-        blocks.append(Block("odom_publish_frequency", rate))
-    return blocks
+    uses = [use for use in by_use if use in names]
+    for use in uses:
+        _bridge(port, plugin, use, names[use], system)
+    if not uses:
+        return []
+    topics = [] if port.is_scoped else uses
+    return [
+        *(Block(by_use[use], names[use]) for use in topics),
+        *(Block(new, plugin.value(name, plugin.default(name))) for name, new in parameters.items()),
+        Block("odom_publish_frequency", rate),
+    ]
 
 
 def _diff_drive(port: Porter, plugin: ClassicPlugin, values: dict[str, str]) -> None:
@@ -262,11 +279,14 @@ def _diff_drive(port: Porter, plugin: ClassicPlugin, values: dict[str, str]) -> 
         around = node.parent
         condition = around if around is not None and around.name in CONDITIONS else None
         if node.text in _BY_WHEELS and condition is not None:
-            port.editor.replace(node, _odometry(port, plugin, ODOMETRY_OF_WHEELS, rate))
+            port.editor.replace(
+                node, _odometry(port, plugin, ODOMETRY_OF_WHEELS, rate, "DiffDrive")
+            )
             continue
         port.editor.remove(node)
         if node.text in _BY_WHEELS:
-            port.editor.append(plugin.node, *_odometry(port, plugin, ODOMETRY_OF_WHEELS, rate))
+            blocks = _odometry(port, plugin, ODOMETRY_OF_WHEELS, rate, "DiffDrive")
+            port.editor.append(plugin.node, *blocks)
         else:
             _publish_world_odometry(port, plugin, rate, condition)
     if not sources:
@@ -351,13 +371,17 @@ def _publish_world_odometry(
     port: Porter, plugin: ClassicPlugin, rate: str, condition: Node | None = None
 ) -> None:
     """Add what publishes where the robot is in the world, as drives of Gazebo Classic do."""
-    blocks = _odometry(port, plugin, ODOMETRY, rate)
+    blocks = _odometry(port, plugin, ODOMETRY, rate, "OdometryPublisher")
     if not blocks:
         return
-    made = _new_plugin("OdometryPublisher", blocks)
+    made = CONVERSIONS[plugin.stem].system
+    if port.is_scoped and "odometry" in PLUGINS[stem(library_of(made))].topics:
+        # Else the drive publishes its own odometry on the same topic.
+        port.editor.append(plugin.node, Block("odom_topic", _UNREAD))
+    publisher = _new_plugin("OdometryPublisher", blocks)
     if condition is not None:
-        made = Block(condition.name, [made], f'value="{condition.get("value")}"')
-    port.editor.add_behind(plugin.node, made)
+        publisher = Block(condition.name, [publisher], f'value="{condition.get("value")}"')
+    port.editor.add_behind(plugin.node, publisher)
 
 
 def _publish_wheels(port: Porter, plugin: ClassicPlugin, tags: Collection[str]) -> None:
@@ -369,12 +393,14 @@ def _publish_wheels(port: Porter, plugin: ClassicPlugin, tags: Collection[str]) 
         for one in port.nodes
     ):
         return
-    topic = plugin.topics.resolve("joint_states")
+    topic, system = plugin.topics.resolve("joint_states"), "JointStatePublisher"
     joints = [node.text for tag in tags for node in plugin.all(tag)]
-    content = [Block("topic", topic), *(Block("joint_name", one) for one in joints)]
+    content = [] if port.is_scoped else [Block("topic", topic)]
+    content += [Block("joint_name", one) for one in joints]
     content.append(Block("update_rate", plugin.value("update_rate", plugin.default("update_rate"))))
-    port.editor.add_behind(plugin.node, _new_plugin("JointStatePublisher", content))
-    port.bridge(topic, "Model", topic)
+    port.editor.add_behind(plugin.node, _new_plugin(system, content))
+    own = _own_topic(port, plugin, system, "states") if port.is_scoped else topic
+    port.bridge(own, "Model", topic)
     if not plugin.node.is_in("robot"):
         port.leave(
             plugin.node,
@@ -460,11 +486,11 @@ def _force_torque(port: Porter, plugin: ClassicPlugin) -> None:
         )
         _take_out(port, plugin.node)
         return
-    topic = _names(plugin)["wrench"]
+    topic, name = _names(plugin)["wrench"], plugin.node.get("name")
     content = [
         Block("always_on", "true"),
         Block("update_rate", plugin.value("update_rate", "0")),
-        Block("topic", topic),
+        *([] if port.is_scoped else [Block("topic", topic)]),
     ]
     if owner is not None and (child := _child_of(owner)):
         content.append(Block(port.target.frame_tag, child))
@@ -474,11 +500,14 @@ def _force_torque(port: Porter, plugin: ClassicPlugin) -> None:
             [Block("frame", "child"), Block("measure_direction", "child_to_parent")],
         )
     )
-    name = plugin.node.get("name")
     sensor = Block("sensor", content, f'name="{name}" type="force_torque"')
     _put_sensor(port, plugin, sensor, joint, owner)
     port.systems.add("ForceTorque")
-    _bridge(port, plugin, "wrench", topic)
+    place = f"joint/{joint}"
+    own = (
+        port.topic_of_sensor(plugin.node, "force_torque", place, name) if port.is_scoped else topic
+    )
+    port.bridge(own, "Wrench", topic)
     if number(plugin.value("gaussian_noise")) not in (None, 0.0):
         port.leave(
             plugin.node,

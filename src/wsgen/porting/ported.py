@@ -20,7 +20,7 @@ class Unported(NamedTuple):
 
 
 class BridgeRow(NamedTuple):
-    """A topic that a bridge converts."""
+    """A topic that a bridge converts; placeholders (`porter`) stand for names of its robot."""
 
     gz_topic: str
     gz_type: str  # without `gz.msgs.`

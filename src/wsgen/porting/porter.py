@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.gazebo.bridged_types import PAIRS
 from wsgen.gazebo.plugins import PLUGINS, TRUE, GazeboPlugin, stem
+from wsgen.gazebo.sensors import SENSORS
 from wsgen.gazebo.successors import AS_IN_ROS_2, PARAMETERS_OF_ROS_1
 from wsgen.porting.ported import BridgeRow, FilePort, Unported
 from wsgen.porting.topics import Topics, absolute
@@ -47,16 +49,30 @@ class Robots(NamedTuple):
     """What other files, and robots that launch files spawn, say about those of a file."""
 
     mounted: frozenset[Mounted] = frozenset()
+    # Name and file name of the plugins of robots that spawners put into namespaces.
+    scoped: frozenset[tuple[str, str]] = frozenset()
     followers: Mapping[str, Follower] = MappingProxyType({})  # by joint, see `without_computed`
+
+
+# What `BridgeRow`s have for the names of a robot and its world, and for the namespace that the
+# spawner gives to its plugins.
+MODEL, WORLD, NAMESPACE = "{model}", "{world}", "{namespace}"
 
 
 class Porter:
     """The port of a file, as far as it is made."""
 
-    def __init__(self, source: SourceText, target: Target, robots: Robots | None = None) -> None:
+    def __init__(
+        self,
+        source: SourceText,
+        target: Target,
+        robots: Robots | None = None,
+        namespace: str = "",
+    ) -> None:
         self.source = source
         self.target = target
         self.robots = robots or Robots()
+        self.namespace = namespace
         self.nodes = read_nodes(source)
         self.editor = Editor(source)
         self.unported: list[Unported] = []
@@ -82,6 +98,36 @@ class Porter:
         if all(one.what != what for one in self.unported):
             self.leave(node, what, advice)
 
+    def plugin(self, node: Node) -> ClassicPlugin:
+        """A plugin of Gazebo Classic."""
+        return ClassicPlugin(node, self.namespace)
+
+    @cached_property
+    def is_scoped(self) -> bool:
+        """Whether the topics in Gazebo Sim have to be those of one robot alone.
+
+        They are those that have the name of the model in them, because nothing says another one.
+        """
+        return any(
+            values_in(one.get("name"), name) is not None
+            and values_in(one.get("filename"), filename) is not None
+            for name, filename in self.robots.scoped
+            for one in self.nodes
+            if one.name == "plugin"
+        )
+
+    def own_topic(self, node: Node, pattern: str) -> str:
+        """The topic that Gazebo Sim has for what is in a model, where nothing names it."""
+        models = [one for one in node.ancestors() if one.name == "model"]
+        is_known = bool(models) and models[-1].is_in("world")
+        return pattern.replace(MODEL, models[-1].get("name")) if is_known else pattern
+
+    def topic_of_sensor(self, node: Node, kind: str, place: str, name: str) -> str:
+        """The same of a sensor."""
+        ending = SENSORS[kind].default if kind in SENSORS else ""
+        pattern = f"/world/{WORLD}/model/{MODEL}/{place}/sensor/{name}{ending}"
+        return self.own_topic(node, pattern)
+
     def bridge(
         self,
         gz_topic: str,
@@ -103,13 +149,13 @@ class Porter:
 class ClassicPlugin:
     """A plugin of Gazebo Classic, with its parameters as ROS 2 names them."""
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: Node, namespace: str = "") -> None:
         self.node = node
         self.filename = node.get("filename")
         self.own_stem = stem(self.filename)
         self.stem = AS_IN_ROS_2.get(self.own_stem, self.own_stem)
         self.facts = PLUGINS.get(self.stem, GazeboPlugin())
-        self.topics = Topics(node)
+        self.topics = Topics(node, namespace)
         is_named_so = self.own_stem in AS_IN_ROS_2 and node.find("ros") is None
         self.is_of_ros_1 = is_named_so or self._lacks_names_of_ros_2()
 
@@ -240,9 +286,10 @@ def carrier_of(port: Porter, sensor: Node) -> str:
         else:
             found.add(one.carrier)
     if len(found) > 1:
-        port.leave(
+        port.leave_once(
             sensor,
-            f"The frame of its messages was {' or '.join(sorted(found))}, as robots differ.",
+            f"The frame of the messages of `{sensor.get('name')}` was "
+            f"{' or '.join(sorted(found))}: robots differ.",
             f"Write it into <{port.target.frame_tag}>.",
         )
     return found.pop() if len(found) == 1 else link

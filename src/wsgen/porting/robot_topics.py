@@ -21,6 +21,7 @@ from wsgen.gazebo.sensors import (
     TOPICS_OF_DEPTH,
 )
 from wsgen.launching.commands import started_programs
+from wsgen.launching.spawner_options import SPAWN_ENTITY, read_options
 from wsgen.model.devices import Element, in_namespace
 from wsgen.model.target import CLASSIC
 from wsgen.pipeline.check_launched import topics_of_launch
@@ -106,9 +107,8 @@ def _stamped(found: Iterable[RosTopic], plan: LaunchPlan) -> Iterator[RosTopic]:
 def _namespace(robot: PreparedRobot, started: Started) -> str:
     """The namespace that spawn_entity.py gives to the plugins of a robot."""
     for spawn in started.spawns:
-        words = spawn.process.arguments if spawn.process is not None else ()
-        if spawn.entity == robot.entity and "-robot_namespace" in words[:-1]:
-            return words[words.index("-robot_namespace") + 1]
+        if spawn.entity == robot.entity and spawn.process is not None:
+            return read_options(spawn.process, SPAWN_ENTITY).values.get("robot_namespace", "")
     return ""
 
 

@@ -13,14 +13,14 @@ from wsgen.gazebo.successors import (
     SENSOR_TYPES,
     TYPES_OF_ROS_1,
 )
-from wsgen.porting.porter import ClassicPlugin, carrier_of, link_of, number
+from wsgen.porting.porter import carrier_of, link_of, number
 from wsgen.porting.topics import absolute, folder
 from wsgen.porting.xml_edits import COMPUTED, Block, Copy
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from wsgen.porting.porter import Porter
+    from wsgen.porting.porter import ClassicPlugin, Porter
     from wsgen.porting.xml_edits import Node
 
 SCAN, RANGE, CLOUD = (f"sensor_msgs/{name}" for name in ("LaserScan", "Range", "PointCloud2"))
@@ -46,7 +46,7 @@ def goes_with_sensor(plugin: Node) -> bool:
 def port_sensor(port: Porter, sensor: Node) -> None:
     """Port a sensor, and what its plugins of Gazebo Classic publish."""
     kind = kind_of(sensor)
-    plugins = [ClassicPlugin(one) for one in sensor.children("plugin") if goes_with_sensor(one)]
+    plugins = [port.plugin(one) for one in sensor.children("plugin") if goes_with_sensor(one)]
     publishes = bool(plugins)
     if kind == "sonar":
         port.leave(
@@ -86,9 +86,10 @@ def _part_cameras(port: Porter, sensor: Node, plugins: list[ClassicPlugin]) -> N
             base = f"{plugin.value('camera_name') or name}/{own}"
             image = plugin.topics.resolve(f"{base}/image_raw")
             info = plugin.topics.resolve(f"{base}/camera_info")
-            port.bridge(image, "Image", image)
-            port.bridge(f"{folder(image)}/camera_info", "CameraInfo", info)
-            content = [Block("topic", image)]
+            named = _own_topic(port, sensor, "camera", f"{name}_{own}") if port.is_scoped else image
+            port.bridge(named, "Image", image)
+            port.bridge(f"{folder(named)}/camera_info", "CameraInfo", info)
+            content = [] if port.is_scoped else [Block("topic", image)]
             if frame := plugin.value("frame_name") or carrier_of(port, sensor):
                 content.append(Block(port.target.frame_tag, frame))
         if place == 0:
@@ -107,11 +108,21 @@ def _part_cameras(port: Porter, sensor: Node, plugins: list[ClassicPlugin]) -> N
 
 def _name_topic(port: Porter, sensor: Node, topic: str) -> str:
     """Write the name of the topic; one that stands beside a frame of Gazebo Sim stays."""
+    if port.is_scoped:
+        for node in sensor.children("topic"):
+            port.editor.remove(node)
+        return _own_topic(port, sensor, kind_of(sensor), sensor.get("name"))
     said = sensor.value("topic")
     if said and said != NO_TOPIC and any(map(sensor.find, FRAME_NAMES)):
         return said
     port.editor.put(sensor, "topic", topic)
     return topic
+
+
+def _own_topic(port: Porter, sensor: Node, kind: str, name: str) -> str:
+    """The topic that Gazebo Sim has for a sensor by itself."""
+    becomes = SENSOR_TYPES.get(kind, kind)
+    return port.topic_of_sensor(sensor, becomes, f"link/{carrier_of(port, sensor)}", name)
 
 
 def _put_frame(port: Porter, sensor: Node, plugin: ClassicPlugin) -> None:
@@ -149,13 +160,13 @@ def _lidar(port: Porter, sensor: Node, plugin: ClassicPlugin) -> None:
     ros, kind = _output(plugin), _type_of(plugin)
     first = next(
         one
-        for one in map(ClassicPlugin, sensor.children("plugin"))
+        for one in map(port.plugin, sensor.children("plugin"))
         if one.stem == "gazebo_ros_ray_sensor"
     )
     base = _output(first)
     if _type_of(first) == CLOUD and base != POINTS:
         base = base.removesuffix(POINTS)
-    if first.node.start == plugin.node.start:
+    if first.node.start == plugin.node.start or port.is_scoped:
         base = _name_topic(port, sensor, base)
     if kind not in (SCAN, RANGE, CLOUD) and COMPUTED not in kind:
         port.leave(
@@ -265,9 +276,12 @@ def _depth(
 def _contact(port: Porter, sensor: Node, plugin: ClassicPlugin) -> None:
     topic = plugin.topics.resolve("bumper_states")
     contact = sensor.find("contact")
-    if contact is not None:
+    named = topic
+    if port.is_scoped:
+        named = _name_topic(port, sensor, topic)
+    elif contact is not None:
         port.editor.put(contact, "topic", topic)
-    port.bridge(topic, "Contacts", topic)
+    port.bridge(named, "Contacts", topic)
     port.leave(
         plugin.node,
         "Its messages were gazebo_msgs/ContactsState, also while nothing touched; those of Gazebo "

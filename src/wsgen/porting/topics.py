@@ -17,11 +17,11 @@ _NAMESPACES = ("robotNamespace", "robot_namespace")  # of plugins of ROS 1
 
 
 class Topics:
-    """Names topics for one plugin, with its namespace and remappings."""
+    """Names topics for one plugin, with its namespace, or that of its spawner, and remappings."""
 
-    def __init__(self, plugin: Node) -> None:
+    def __init__(self, plugin: Node, namespace: str = "") -> None:
         ros = plugin.find("ros")
-        written = [plugin.value("ros/namespace"), *map(plugin.value, _NAMESPACES)]
+        written = [namespace, plugin.value("ros/namespace"), *map(plugin.value, _NAMESPACES)]
         self._namespace = _namespace(next(filter(None, written), ""))
         self._node = plugin.get("name") or "gazebo"
         rules = [] if ros is None else [one.text for one in ros.children(*REMAPPINGS)]
