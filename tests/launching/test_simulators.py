@@ -79,6 +79,7 @@ def include(name: str, package: str = "gazebo_ros", **values: str) -> LaunchPlan
         (command("gz", "sim", "-v", "4", "-r", "w.sdf"), ("gz", "w.sdf", False)),
         (command("gz", "sim", "-r -s w.sdf"), ("gz", "w.sdf", True)),
         (command("ign", "gazebo", "-s", "/w/moon"), ("gz", "/w/moon", True)),
+        (command("gz", "sim", "-r", "/w/moon.model"), ("gz", "/w/moon.model", False)),
         (command("ruby", "/usr/bin/ign", "gazebo", "-r", "w.sdf"), ("gz", "w.sdf", False)),
         (
             command("ruby", "/opt/bin/gz", "sim", "w.sdf", "--force-version", "8"),

@@ -182,6 +182,99 @@ def test_a_robot_that_nothing_simulates_stays_as_it_is(tmp_path: Path) -> None:
     assert [one.file.name for one in plan(package).files if one.file == manifest] == []
 
 
+DRIVE_ELSEWHERE = {
+    "package.xml": """<package format="3">
+  <name>split</name>
+  <version>0.0.1</version>
+  <description>A robot in several files.</description>
+  <maintainer email="a@example.com">A</maintainer>
+  <license>MIT</license>
+  <buildtool_depend>ament_cmake</buildtool_depend>
+  <export><build_type>ament_cmake</build_type></export>
+</package>
+""",
+    "urdf/robot.xacro": """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:property name="here" value="split"/>
+  <xacro:include filename="$(find ${here})/urdf/body.xacro"/>
+  <xacro:include filename="drive.gazebo"/>
+</robot>
+""",
+    "urdf/body.xacro": """<robot xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:macro name="wheel" params="side">
+    <joint name="${side}_wheel_joint" type="continuous">
+      <limit effort="3" velocity="9"/>
+    </joint>
+  </xacro:macro>
+  <xacro:wheel side="left"/>
+  <joint name="right_wheel_joint" type="continuous">
+    <axis xyz="0 1 0"/>
+  </joint>
+</robot>
+""",
+    "urdf/drive.gazebo": """<robot xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <gazebo>
+    <plugin name="drive" filename="libgazebo_ros_diff_drive.so">
+      <left_joint>left_wheel_joint</left_joint>
+      <right_joint>right_wheel_joint</right_joint>
+      <wheel_separation>0.5</wheel_separation>
+      <wheel_diameter>0.2</wheel_diameter>
+      <max_wheel_torque>20</max_wheel_torque>
+    </plugin>
+  </gazebo>
+</robot>
+""",
+    "urdf/other.xacro": """<robot name="other">
+  <joint name="left_wheel_joint" type="continuous"/>
+  <joint name="right_wheel_joint" type="continuous"/>
+</robot>
+""",
+}
+
+
+def _written(folder: Path, files: dict[str, str]) -> Path:
+    for name, text in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+    return folder
+
+
+@pytest.mark.slow
+def test_wheels_are_as_strong_wherever_they_are(tmp_path: Path) -> None:
+    package = _written(tmp_path / "split", DRIVE_ELSEWHERE)
+    planned = plan(package)
+    assert planned.unported == ()
+    after = {one.file.name: one.after for one in planned.files}
+    assert '<limit effort="20" velocity="9"/>' in after["body.xacro"]
+    assert re.search(
+        r'<axis xyz="0 1 0"/>\s*<limit effort="20" velocity="\d+"/>', after["body.xacro"]
+    )
+    assert "max_wheel_torque" not in after["drive.gazebo"]
+    assert "other.xacro" not in after  # another robot
+    list(write_port(planned))
+    assert plan(package).files == ()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('<xacro:wheel side="left"/>', '<xacro:wheel side="left"/><xacro:wheel side="front"/>'),
+        ('<joint name="right_wheel_joint"', '<joint name="right_wheel"'),
+        (">20<", ">${strong}<"),
+    ],
+    ids=["of a macro for others, too", "not there", "computed elsewhere"],
+)
+def test_wheels_that_are_not_sure_are_left_to_the_author(
+    tmp_path: Path, old: str, new: str
+) -> None:
+    files = {name: text.replace(old, new) for name, text in DRIVE_ELSEWHERE.items()}
+    planned = plan(_written(tmp_path / "split", files))
+    (left,) = planned.unported
+    assert left.file.name == "drive.gazebo"
+    assert left.what == "Its <max_wheel_torque> does not exist in Gazebo Sim."
+    assert "body.xacro" not in {one.file.name for one in planned.files}
+
+
 IN_A_WORLD = {
     "package.xml": """<package format="3">
   <name>in_world</name>

@@ -16,6 +16,7 @@ from wsgen.checks.fixes.source import Edit, apply, overlap, read_source
 from wsgen.descriptions.urdf.devices import read_devices
 from wsgen.descriptions.urdf.lumping import lump
 from wsgen.descriptions.urdf.reader import read_urdf
+from wsgen.descriptions.xacro.reader import written_elements
 from wsgen.gazebo.plugins import simulator_of
 from wsgen.gazebo.systems import EMPTY_WORLD
 from wsgen.isolation.parent import make_scratch
@@ -32,8 +33,9 @@ from wsgen.porting.launch_markup import port_markup
 from wsgen.porting.manifests import port_manifest
 from wsgen.porting.models import bridge_rows, find_followers, plugins_of, port_model
 from wsgen.porting.parameters import port_parameters
+from wsgen.porting.plugins import port_effort
 from wsgen.porting.ported import FilePort, Unported, joined
-from wsgen.porting.porter import MODEL, NAMESPACE, WORLD, Mounted, Robots
+from wsgen.porting.porter import MODEL, NAMESPACE, WORLD, Mounted, Porter, Robots
 from wsgen.porting.worlds import model_names, new_world, port_world
 from wsgen.text.files import list_files, real_path, remembering
 
@@ -126,6 +128,7 @@ def plan_port(targets: Targets, target: Target, environment: Mapping[str, str]) 
         )
         for port in ports:
             _port_models(port, target, robots._replace(followers=followers))
+        _port_efforts(ports, target)
         systems = frozenset().union(*(port.all().systems for port in ports))
         models = {name for port in ports for name in model_names(port.package.path)}
         models |= {port.package.name for port in ports}
@@ -310,6 +313,39 @@ def _port_models(port: _Port, target: Target, robots: Robots) -> None:
             continue
         if _ROBOT.search(source.text) or _SDF.search(source.text):
             port.add(source, port_model(source, target, robots))
+
+
+def _port_efforts(ports: Sequence[_Port], target: Target) -> None:
+    """Write into the joints of wheels, whatever file has them, what their plugins limited."""
+    wanted = [
+        (port, one, effort)
+        for port in ports
+        for one in [*port.ports]
+        for effort in joined(port.ports[one]).efforts
+    ]
+    if not wanted:
+        return
+    sources = {
+        source.file: (port, source)
+        for port in ports
+        for source in port.files(_OF_XML)
+        if _ROBOT.search(source.text)
+    }
+    shares = {port.package.name: port.package.path for port in ports}
+    wholes = [
+        frozenset(one.file for one in written_elements(file, shares.get)) & sources.keys()
+        for file in sources
+    ]
+    for port, file, effort in wanted:
+        robots = [one for one in wholes if file in one]
+        # Some are parts of others.
+        whole = [one for one in robots if not any(one < other for other in robots)]
+        porters = {one: Porter(sources[one][1], target) for one in frozenset().union(*whole)}
+        if whole and all(port_effort(effort, [porters[one] for one in those]) for those in whole):
+            for one, porter in porters.items():
+                sources[one][0].add(sources[one][1], porter.finish())
+        else:
+            port.ports[file].append(FilePort(unported=(effort.left,)))
 
 
 def _port_worlds(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from wsgen.gazebo.bridged_types import PAIRS
@@ -16,6 +17,7 @@ from wsgen.gazebo.successors import (
 )
 from wsgen.gazebo.systems import CONTROL, is_of_gz, library_of
 from wsgen.model.target import CLASSIC
+from wsgen.porting.ported import Effort, Unported
 from wsgen.porting.porter import (
     FROM_GAZEBO,
     TO_GAZEBO,
@@ -29,7 +31,7 @@ from wsgen.porting.topics import absolute
 from wsgen.porting.xml_edits import COMPUTED, CONDITIONS, Block
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection
+    from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 
     from wsgen.gazebo.successors import Conversion
     from wsgen.porting.porter import Porter
@@ -300,24 +302,70 @@ def _limit_effort(port: Porter, plugin: ClassicPlugin) -> None:
     if torque is None or not torque.text:
         return
     port.editor.remove(torque)
-    names = [node.text for tag in TWO_WHEELS for node in plugin.all(tag)]
-    joints = [one for one in port.nodes if one.name == "joint" and one.get("name") in names]
-    joints = [
-        one
-        for one in joints
-        if one.holder
-        and one.holder.name in _HOLDERS_OF_JOINTS
-        and (COMPUTED not in torque.text or one.macro is plugin.node.macro)
-    ]
-    if {one.get("name") for one in joints} != set(names) or not names:
-        port.leave(
-            plugin.node,
-            f"Its <{torque.name}> does not exist in Gazebo Sim.",
-            f"Write {torque.text} as the effort of the <limit> of the joints of the wheels.",
-        )
+    names = frozenset(node.text for tag in TWO_WHEELS for node in plugin.all(tag))
+    joints = [one for one in _joints(port.nodes) if one.get("name") in names]
+    is_known = COMPUTED not in torque.text or all(one.macro is plugin.node.macro for one in joints)
+    if is_known and names and {one.get("name") for one in joints} == names:
+        for joint in joints:
+            _set_effort(port, joint, torque.text)
         return
-    for joint in joints:
-        _set_effort(port, joint, torque.text)
+    left = Unported(
+        port.source.file,
+        plugin.node.line,
+        f"Its <{torque.name}> does not exist in Gazebo Sim.",
+        f"Write {torque.text} as the effort of the <limit> of the joints of the wheels.",
+    )
+    port.efforts.append(Effort(names, torque.text, left))
+
+
+def _joints(nodes: Iterable[Node]) -> Iterator[Node]:
+    """The joints of robots, and not what else has their names."""
+    for one in nodes:
+        if one.name == "joint" and one.holder and one.holder.name in _HOLDERS_OF_JOINTS:
+            yield one
+
+
+def port_effort(effort: Effort, around: Sequence[Porter]) -> bool:
+    """Have the joints of wheels be as strong as a plugin made them, in all files of a robot.
+
+    A joint in a macro is changed if all that the robot makes of it are wheels.
+
+    Returns:
+        Whether all joints were found.
+    """
+    nodes = [one for port in around for one in port.nodes]
+    wheels: list[tuple[Porter, Node]] = []
+    found: set[str] = set()
+    for port in around:
+        for joint in _joints(port.nodes):
+            made = _names_of(joint, nodes)
+            if made & effort.joints:
+                if not made <= effort.joints:
+                    return False
+                found |= made
+                wheels.append((port, joint))
+    is_written = COMPUTED not in effort.torque or all(
+        (limit := joint.find("limit")) is not None and limit.get("effort") == effort.torque
+        for _, joint in wheels
+    )
+    if found != effort.joints or not found or not is_written:
+        return False
+    for port, joint in wheels:
+        _set_effort(port, joint, effort.torque)
+    return True
+
+
+def _names_of(joint: Node, nodes: Iterable[Node]) -> set[str]:
+    """The names that a joint gets: its own, or those by the calls of its macro."""
+    name, macro = joint.get("name"), joint.macro
+    if COMPUTED not in name or macro is None:
+        return {name}
+    call = f"xacro:{macro.get('name')}"
+    return {
+        re.sub(r"\$\{\s*(\w+)\s*\}", lambda used, one=one: one.get(used[1]) or used[0], name)  # type: ignore[misc]
+        for one in nodes
+        if one.name == call
+    }
 
 
 def _set_effort(port: Porter, joint: Node, effort: str) -> None:

@@ -29,6 +29,14 @@ class BridgeRow(NamedTuple):
     ros_topic: str  # absolute
 
 
+class Effort(NamedTuple):
+    """How strong a plugin makes the joints of wheels that another file, or a macro, has."""
+
+    joints: frozenset[str]
+    torque: str  # N m, as it is written
+    left: Unported  # what to list where the joints are not found
+
+
 class FilePort(NamedTuple):
     """What becomes of a file."""
 
@@ -38,6 +46,7 @@ class FilePort(NamedTuple):
     systems: frozenset[str] = frozenset()  # of Gazebo Sim, that its world must load (class names)
     files: frozenset[str] = frozenset()  # that the package must now have, below its folder
     worlds: frozenset[str] = frozenset()  # the arguments of a launch file that are worlds
+    efforts: tuple[Effort, ...] = ()
 
 
 def joined(ports: Iterable[FilePort]) -> FilePort:
@@ -50,4 +59,5 @@ def joined(ports: Iterable[FilePort]) -> FilePort:
         systems=frozenset().union(*(one.systems for one in listed)),
         files=frozenset().union(*(one.files for one in listed)),
         worlds=frozenset().union(*(one.worlds for one in listed)),
+        efforts=tuple(found for one in listed for found in one.efforts),
     )

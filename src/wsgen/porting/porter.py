@@ -11,7 +11,7 @@ from wsgen.gazebo.bridged_types import PAIRS
 from wsgen.gazebo.plugins import PLUGINS, TRUE, GazeboPlugin, stem
 from wsgen.gazebo.sensors import SENSORS
 from wsgen.gazebo.successors import AS_IN_ROS_2, PARAMETERS_OF_ROS_1
-from wsgen.porting.ported import BridgeRow, FilePort, Unported
+from wsgen.porting.ported import BridgeRow, Effort, FilePort, Unported
 from wsgen.porting.topics import Topics, absolute
 from wsgen.porting.xml_edits import COMPUTED, Editor, Node, read_nodes
 
@@ -79,6 +79,7 @@ class Porter:
         self.packages: set[str] = set()
         self.systems: set[str] = set()
         self.rows: list[BridgeRow] = []
+        self.efforts: list[Effort] = []
 
     def finish(self) -> FilePort:
         """What becomes of the file."""
@@ -87,6 +88,7 @@ class Porter:
             unported=tuple(self.unported),
             packages=frozenset(self.packages),
             systems=frozenset(self.systems),
+            efforts=tuple(self.efforts),
         )
 
     def leave(self, node: Node, what: str, advice: str) -> None:

@@ -37,6 +37,7 @@ FIND = lazy_pattern(r"\$\(find\s+([\w-]+)\s*\)")
 COMPUTED = lazy_pattern(r"\$\{[^}]*\}|\$\([^)]*\)")  # by xacro
 NAMED = lazy_pattern(r"(\w+)\[@(\w+)='([^']*)'\]")  # link[@name='base_link']
 ONE_NAME = lazy_pattern(r"\s*\$\{\s*(\w+)\s*\}\s*")  # the value of a property, and nothing else
+USED = lazy_pattern(r"\$\{\s*(\w+)\s*\}|\$\(arg\s+(\w+)\s*\)")  # a property or an argument
 STEP = lazy_pattern(r"(?:[^/'\[]|\[@\w+='[^']*'\])+")
 PROPERTY = "xacro:property"
 MACRO = "xacro:macro "  # before its name, in a path
@@ -323,8 +324,19 @@ def written_elements(main: Path, share_of: ShareOf) -> list[Written]:
             for element in here
             if element.tag == "xacro:include"
         ]
-        waiting += filter(None, (_included(uri, file, share_of) for uri in addresses))
+        values = {
+            one.attributes.get("name"): one.attributes.get("value", one.attributes.get("default"))
+            for one in written
+            if one.tag in (PROPERTY, "xacro:arg")
+        }
+        known = (_with_values(uri, values) for uri in addresses)
+        waiting += filter(None, (_included(uri, file, share_of) for uri in known))
     return written
+
+
+def _with_values(uri: str, values: Mapping[str | None, str | None]) -> str:
+    """An address with the properties and the arguments in it, as far as they are known."""
+    return USED.sub(lambda used: values.get(used[1] or used[2]) or used[0], uri)
 
 
 def _included(uri: str, by: Path, share_of: ShareOf) -> Path | None:
