@@ -8,28 +8,23 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+from collections.abc import Mapping
+from enum import Enum
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wsgen.diagnostics import has_errors
 from wsgen.text.printable import escape_json
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-    from pathlib import Path
+    from collections.abc import Iterable, Sequence
 
     from wsgen.building.machine import DoctorReport, Requirement
     from wsgen.building.run import BuildResult
     from wsgen.diagnostics import Diagnostic, Rule
     from wsgen.model.behavior import BehaviorOutcome
-    from wsgen.model.outcome import NotValidated, Outcome, PackageOutcome, Rest, RobotOutcome
-    from wsgen.model.plan import (
-        Include,
-        LaunchArgument,
-        LaunchPlan,
-        Origin,
-        Process,
-        Unresolved,
-    )
+    from wsgen.model.outcome import Outcome, PackageOutcome, Rest, RobotOutcome
+    from wsgen.model.plan import LaunchArgument, LaunchPlan, Origin, Process
     from wsgen.model.transform import Pose
     from wsgen.pipeline.create import CreatedPackage
     from wsgen.templating.spec import Variable
@@ -49,121 +44,111 @@ def dump_json(document: object) -> str:
     return f"{escape_json(text)}\n"
 
 
+def fields(value: object, names: str) -> dict[str, Any]:
+    """Attributes of a value by their names, which have blanks between them, as JSON has them."""
+    return {name: _plain(getattr(value, name)) for name in names.split()}
+
+
+def _plain(value: Any) -> Any:
+    """What JSON has of a value: infinity and not-a-number are null, paths are texts."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, (list, tuple)):
+        return [_plain(one) for one in value]
+    if isinstance(value, Mapping):
+        return {name: _plain(one) for name, one in value.items()}
+    if isinstance(value, Enum):
+        return value.value
+    return str(value) if isinstance(value, Path) else value
+
+
+def _document(**values: Any) -> str:
+    return dump_json({"version": VERSION, **values})
+
+
+def _seconds(value: float) -> float:
+    return round(value, 4)
+
+
 def render_outcome(outcome: Outcome) -> str:
     """An outcome, for `wsgen validate`; docs/json.md lists the keys."""
-    document = {
-        "version": VERSION,
-        "complete": outcome.is_complete,
-        "passed": outcome.passed,
-        "packages": [_package(package) for package in outcome.packages],
-        "not_validated": [_not_validated(one) for one in outcome.not_validated],
-    }
-    return dump_json(document)
+    return _document(
+        complete=outcome.is_complete,
+        passed=outcome.passed,
+        packages=[_package(package) for package in outcome.packages],
+        not_validated=[
+            fields(one, "package launch_file reason robot_files") for one in outcome.not_validated
+        ],
+    )
 
 
 def render_created(created: CreatedPackage) -> str:
     """A package that was written, for `wsgen new`; docs/json.md lists the keys."""
-    document = {
-        "version": VERSION,
-        "package": created.folder.name,
-        "path": _path(created.folder),
-        "workspace": _path(created.workspace.root),
-        "files": list(created.files),
-        "workspace_files": list(created.workspace_files),
-        "written": created.is_written,
-    }
-    return dump_json(document)
+    return _document(
+        package=created.folder.name,
+        path=_plain(created.folder),
+        workspace=_plain(created.workspace.root),
+        **fields(created, "files workspace_files"),
+        written=created.is_written,
+    )
 
 
 def render_build(result: BuildResult) -> str:
     """A build, for `wsgen build`; docs/json.md lists the keys."""
-    document = {
-        "version": VERSION,
-        "passed": result.succeeded,
-        "packages": [
+    return _document(
+        passed=result.succeeded,
+        packages=[
             {
                 "package": package.name,
                 "state": package.outcome,
-                "seconds": round(package.seconds, 4),
-                "left_out": [*package.left_out],
-                "needs": [*package.needs],
+                "seconds": _seconds(package.seconds),
+                **fields(package, "left_out needs"),
             }
             for package in result.packages
         ],
-        "diagnostics": [diagnostic_to_json(found) for found in result.diagnostics],
-        "log": _path(result.log_folder),
-        "seconds": round(result.seconds, 4),
-    }
-    return dump_json(document)
+        diagnostics=_diagnostics(result.diagnostics),
+        log=_plain(result.log_folder),
+        seconds=_seconds(result.seconds),
+    )
 
 
 def diagnostic_to_json(diagnostic: Diagnostic) -> dict[str, Any]:
     """One diagnostic."""
-    return {
-        "code": diagnostic.code,
-        "name": diagnostic.name,
-        "severity": diagnostic.severity.value,
-        "message": diagnostic.message,
-        "file": _path(diagnostic.file),
-        "line": diagnostic.line,
-        "element": diagnostic.element,
-        "hint": diagnostic.hint,
-    }
+    return fields(diagnostic, "code name severity message file line element hint")
+
+
+def _diagnostics(found: Iterable[Diagnostic]) -> list[dict[str, Any]]:
+    return [diagnostic_to_json(one) for one in found]
 
 
 def _package(package: PackageOutcome) -> dict[str, Any]:
     world = package.world
     return {
-        "package": package.package,
-        "file": _path(package.file),
-        "share": _path(package.share),
-        "launch_file": _path(package.launch_file),
-        "passed": package.passed,
-        "world": None
-        if world is None
-        else {
-            "name": world.name,
-            "file": _path(world.file),
+        **fields(package, "package file share launch_file passed"),
+        "world": world
+        and {
+            **fields(world, "name file"),
             "models": [model.name for model in world.models],
-            "gravity": list(world.gravity),
+            **fields(world, "gravity"),
         },
         "robots": [_robot(robot) for robot in package.robots],
-        "diagnostics": [diagnostic_to_json(found) for found in package.diagnostics],
-        "picture": _path(package.picture),
-        "world_picture": _path(package.world_picture),
-        "video": _path(package.video),
-        "seconds": {stage: round(value, 4) for stage, value in package.seconds.items()},
-    }
-
-
-def _not_validated(one: NotValidated) -> dict[str, Any]:
-    return {
-        "package": one.package,
-        "launch_file": _path(one.launch_file),
-        "reason": one.reason,
-        "robot_files": [_path(file) for file in one.robot_files],
+        "diagnostics": _diagnostics(package.diagnostics),
+        **fields(package, "picture world_picture video"),
+        "seconds": {stage: _seconds(value) for stage, value in package.seconds.items()},
     }
 
 
 def _robot(robot: RobotOutcome) -> dict[str, Any]:
-    simulated = robot.simulated
     return {
         "entity": robot.entity,
         "spawn_pose": _pose(robot.spawn_pose),
-        "links": robot.links,
-        "joints": robot.joints,
-        "movable_joints": robot.movable_joints,
-        "mass": _number(robot.mass),
-        "simulated": None
-        if simulated is None
-        else {
-            "engine": simulated.engine,
-            "links": simulated.links,
-            "movable_joints": simulated.movable_joints,
-            "mass": _number(simulated.mass),
-        },
+        **fields(robot, "links joints movable_joints mass"),
+        "simulated": robot.simulated
+        and fields(robot.simulated, "engine links movable_joints mass"),
         "rest": _rest(robot.rest),
-        "behaviors": [_behavior(behavior) for behavior in robot.behaviors],
+        "behaviors": [
+            {**_behaved(one), "expected": _plain(one.task.expected)} for one in robot.behaviors
+        ],
         "engines": [
             {
                 "engine": one.engine,
@@ -180,130 +165,63 @@ def _robot(robot: RobotOutcome) -> dict[str, Any]:
 def _rest(rest: Rest | None) -> dict[str, Any] | None:
     if rest is None:
         return None
-    return {
-        **_pose(rest.pose_in_world),
-        "settled_after": rest.settled_after,
-        "speed": _number(rest.speed),
-        "tilt": _number(rest.tilt),
-        "joint_positions": _numbers(dict(rest.joint_positions)),
-    }
-
-
-def _behavior(behavior: BehaviorOutcome) -> dict[str, Any]:
-    return {**_behaved(behavior), "expected": _numbers(behavior.task.expected)}
+    of_rest = fields(rest, "settled_after speed tilt joint_positions")
+    return {**_pose(rest.pose_in_world), **of_rest}
 
 
 def _behaved(behavior: BehaviorOutcome) -> dict[str, Any]:
-    moved, positions = behavior.moved, behavior.positions
+    moved = behavior.moved
     return {
         "name": behavior.name,
         "passed": None if behavior.is_left_out else behavior.passed,
-        "moved": None
-        if moved is None
-        else _numbers(dict(zip(("x", "y", "yaw"), moved, strict=True))),
-        "joints": None if positions is None else _numbers(dict(positions)),
-        "traveled": None if behavior.traveled is None else _number(behavior.traveled),
-        "seconds": behavior.seconds,
-        "printed": list(behavior.printed),
+        "moved": moved and _plain(dict(zip(("x", "y", "yaw"), moved, strict=True))),
+        "joints": _plain(behavior.positions),
+        **fields(behavior, "traveled seconds printed"),
     }
-
-
-def _numbers(values: Mapping[str, float | None]) -> dict[str, float | None]:
-    return {name: None if value is None else _number(value) for name, value in values.items()}
 
 
 def _pose(pose: Pose) -> dict[str, Any]:
-    return {
-        "xyz": [_number(value) for value in pose.xyz],
-        "rpy": [_number(value) for value in pose.rpy],
-    }
-
-
-def _number(value: float) -> float | None:
-    """JSON has no infinity and no not-a-number: both are null."""
-    return value if math.isfinite(value) else None
-
-
-def _path(path: Path | None) -> str | None:
-    return None if path is None else str(path)
+    return fields(pose, "xyz rpy")
 
 
 def render_plan(plan: LaunchPlan) -> str:
     """A launch plan, for `wsgen launch`; docs/json.md lists the keys."""
-    document = {
-        "version": VERSION,
-        "package": plan.package,
-        "launch_file": str(plan.launch_file),
-        "arguments": [_argument(argument) for argument in plan.arguments],
-        "processes": [_process(process) for process in plan.processes],
-        "includes": [_include(include) for include in plan.includes],
-        "environment": dict(plan.environment),
-        "unresolved": [_unresolved(entry) for entry in plan.unresolved],
-        "files": [
-            {"path": str(file.path), "use": file.use, "sha256": file.sha256} for file in plan.files
-        ],
-        "diagnostics": [diagnostic_to_json(found) for found in plan.diagnostics],
-    }
-    return dump_json(document)
+    return _document(
+        **fields(plan, "package launch_file"),
+        arguments=[_argument(argument) for argument in plan.arguments],
+        processes=[_process(process) for process in plan.processes],
+        includes=[fields(one, "package file arguments evaluated") for one in plan.includes],
+        **fields(plan, "environment"),
+        unresolved=[fields(one, "what file line why") for one in plan.unresolved],
+        files=[fields(file, "path use sha256") for file in plan.files],
+        diagnostics=_diagnostics(plan.diagnostics),
+    )
 
 
 def _argument(argument: LaunchArgument) -> dict[str, Any]:
     return {
-        "name": argument.name,
-        "default": argument.default,
-        "value": argument.value,
-        "description": argument.description,
-        "file": _path(argument.origin.file) if argument.origin else None,
-        "line": argument.origin.line if argument.origin else None,
+        **fields(argument, "name default value description"),
+        **(_origin(argument.origin) or {"file": None, "line": None}),
         "set_by": argument.set_by,
         "set_at": _origin(argument.set_at),
     }
 
 
 def _process(process: Process) -> dict[str, Any]:
+    origins = process.parameter_origins
     return {
-        "package": process.package,
-        "executable": process.executable,
-        "name": process.name,
-        "namespace": process.namespace,
+        **fields(process, "package executable name namespace"),
         "parameters": {name: _value(value) for name, value in process.parameters.items()},
-        "arguments": list(process.arguments),
-        "remappings": [list(pair) for pair in process.remappings],
-        "parameter_origins": {
-            name: _origin(process.parameter_origins.get(name)) for name in process.parameters
-        },
+        **fields(process, "arguments remappings"),
+        "parameter_origins": {name: _origin(origins.get(name)) for name in process.parameters},
         "argument_origins": [_origin(one) for one in process.argument_origins],
         "remapping_origins": [_origin(one) for one in process.remapping_origins],
-        "command": None if process.command is None else list(process.command),
-        "environment": dict(process.environment),
-        "container": process.container,
-        "starts": process.starts,
-        "start_time": process.start_time,
-        "file": _path(process.file),
-        "line": process.line,
+        **fields(process, "command environment container starts start_time file line"),
     }
 
 
 def _origin(origin: Origin | None) -> dict[str, Any] | None:
-    return None if origin is None else {"file": str(origin.file), "line": origin.line}
-
-
-def _include(include: Include) -> dict[str, Any]:
-    return {
-        "package": include.package,
-        "file": str(include.file),
-        "arguments": dict(include.arguments),
-        "evaluated": include.evaluated,
-    }
-
-
-def _unresolved(entry: Unresolved) -> dict[str, Any]:
-    return {
-        "what": entry.what,
-        "file": _path(entry.file),
-        "line": entry.line,
-        "why": entry.why,
-    }
+    return None if origin is None else fields(origin, "file line")
 
 
 def _value(value: Any) -> Any:
@@ -317,71 +235,47 @@ def _value(value: Any) -> Any:
 
 def render_templates(templates: Iterable[Template]) -> str:
     """Templates and their variables, for `wsgen templates`; docs/templates.md lists the keys."""
-    return _text({"templates": [_template(template) for template in templates]})
+    return _document(
+        templates=[
+            {
+                **fields(template, "name description"),
+                "targets": [fields(target, "distro simulator") for target in template.targets],
+                "variables": [_variable(variable) for variable in template.variables.values()],
+            }
+            for template in templates
+        ]
+    )
 
 
 def render_template_check(diagnostics: Sequence[Diagnostic]) -> str:
     """The diagnostics of a template, for `wsgen templates --check`."""
-    return _text(
-        {
-            "passed": not has_errors(diagnostics),
-            "diagnostics": [diagnostic_to_json(found) for found in diagnostics],
-        }
-    )
-
-
-def _text(document: dict[str, Any]) -> str:
-    return dump_json({"version": VERSION, **document})
-
-
-def _template(template: Template) -> dict[str, Any]:
-    return {
-        "name": template.name,
-        "description": template.description,
-        "targets": [
-            {"distro": target.distro, "simulator": target.simulator} for target in template.targets
-        ],
-        "variables": [_variable(variable) for variable in template.variables.values()],
-    }
+    return _document(passed=not has_errors(diagnostics), diagnostics=_diagnostics(diagnostics))
 
 
 def _variable(variable: Variable) -> dict[str, Any]:
     """A variable; what its type does not have is null."""
     is_number = variable.type in {"number", "integer"}
     return {
-        "name": variable.name,
-        "help": variable.help,
-        "type": variable.type,
+        **fields(variable, "name help type"),
         "unit": variable.unit or None,
         "default": variable.default,
-        "minimum": _bound(variable.minimum) if is_number else None,
-        "maximum": _bound(variable.maximum) if is_number else None,
+        **(
+            fields(variable, "minimum maximum") if is_number else {"minimum": None, "maximum": None}
+        ),
         "choices": list(variable.choices) or None,
     }
 
 
-def _bound(value: float) -> float | None:
-    return value if math.isfinite(value) else None
-
-
 def render_doctor_report(report: DoctorReport) -> str:
     """The requirements of wsgen and of ROS, for `wsgen doctor`; docs/doctor.md lists the keys."""
-    target = report.target
-    document = {
-        "version": VERSION,
-        "passed": report.passed,
-        "target": {
-            "distro": target.distro,
-            "simulator": target.simulator,
-            "ubuntu": target.ubuntu,
-            "end_of_life": target.end_of_life,
-        },
-        "notes": list(report.notes),
-        "wsgen": [_requirement(one) for one in report.wsgen],
-        "ros": [_requirement(one) for one in report.ros],
-        "apt": report.apt,
-    }
-    return dump_json(document)
+    return _document(
+        passed=report.passed,
+        target=fields(report.target, "distro simulator ubuntu end_of_life"),
+        **fields(report, "notes"),
+        wsgen=[_requirement(one) for one in report.wsgen],
+        ros=[_requirement(one) for one in report.ros],
+        apt=report.apt,
+    )
 
 
 def _requirement(one: Requirement) -> dict[str, object]:
@@ -396,9 +290,8 @@ def _requirement(one: Requirement) -> dict[str, object]:
 
 def render_rules(rules: Iterable[Rule]) -> str:
     """Rules with their documentation, for `wsgen rule`; docs/json.md lists the keys."""
-    document = {
-        "version": VERSION,
-        "rules": [
+    return _document(
+        rules=[
             {
                 **dataclasses.asdict(rule),
                 "severity": rule.severity.value,
@@ -407,6 +300,5 @@ def render_rules(rules: Iterable[Rule]) -> str:
                 "instead": rule.instead.strip("\n"),
             }
             for rule in rules
-        ],
-    }
-    return dump_json(document)
+        ]
+    )
