@@ -39,17 +39,11 @@ from wsgen.text.printable import clean
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from wsgen.diagnostics import Diagnostic, Rule
+    from wsgen.diagnostics import Diagnostic
     from wsgen.model.behavior import BehaviorOutcome
-    from wsgen.model.outcome import (
-        EngineOutcome,
-        NotValidated,
-        Outcome,
-        PackageOutcome,
-        RobotOutcome,
-    )
+    from wsgen.model.outcome import EngineOutcome, Outcome, PackageOutcome, RobotOutcome
     from wsgen.model.plan import Process
-    from wsgen.model.robot import Geometry, Joint, Link
+    from wsgen.model.robot import Collision, Joint, Visual
 
 
 FOLDER = Path(__file__).parent / "page"
@@ -74,7 +68,7 @@ def render_page(outcome: Outcome, folder: Path, *, when: datetime | None = None)
         NotFoundError: plotly is not installed.
     """
     texts = _Texts(folder)
-    packages = [_package(package, number, texts) for number, package in enumerate(outcome.packages)]
+    packages = [_package(package, number) for number, package in enumerate(outcome.packages)]
     environment = page_environment(
         FOLDER,
         {
@@ -83,6 +77,14 @@ def render_page(outcome: Outcome, folder: Path, *, when: datetime | None = None)
             "xyz": write_xyz,
             "number": write_number,
             "fixed": write_fixed,
+            "clip": texts.clip,
+            "program": texts.program,
+            "details": texts.details,
+            "cause": cause_of,
+            "shapes": name_shapes,
+            "asked": what_it_is_to_do,
+            "expected": what_is_expected,
+            "reached": what_it_did,
         },
         clean,
     )
@@ -96,8 +98,9 @@ def render_page(outcome: Outcome, folder: Path, *, when: datetime | None = None)
         passed=sum(package.passed for package in outcome.packages),
         failed=[package for package in packages if not package["passed"]],
         counts=_counts(found),
-        not_validated=[_not_validated(one) for one in outcome.not_validated],
-        rules=[*_rules(found)],
+        not_validated=outcome.not_validated,
+        rules=list(filter(None, map(find_rule, sorted({one.code for one in found})))),
+        fixers=FIXERS,
         version=__version__,
         when=when or datetime.now().astimezone(),
         style=Html((FOLDER / "page.css").read_text(encoding="utf-8")),
@@ -166,6 +169,25 @@ class _Texts:
         line = re.sub(rf"(?<![^\s\"'=]){start}", "", " ".join(text.split()))
         return line if len(line) <= MOST_CHARACTERS else f"{line[: MOST_CHARACTERS - 1]}…"
 
+    def program(self, process: Process) -> str:
+        """What a process runs."""
+        if process.command is not None:
+            return self.clip(" ".join(process.command))
+        program = str(process.executable)
+        return f"{process.package} {program}" if process.package else program
+
+    def details(self, process: Process) -> Iterator[tuple[str, str]]:
+        """What it is given: arguments, parameters and remappings."""
+        if process.arguments:
+            yield "arguments", self.clip(" ".join(process.arguments))
+        for name, value in process.parameters.items():
+            if process.description_file is not None and str(value).lstrip().startswith("<"):
+                yield name, f"{len(value)} characters from {self.path(process.description_file)}"
+            else:
+                yield name, self.clip(str(value))
+        for source, target in process.remappings:
+            yield source, f"→ {target}"
+
 
 def _title(outcome: Outcome) -> str:
     """What the tab of the browser says."""
@@ -192,7 +214,7 @@ def _counts(found: Iterable[Diagnostic]) -> dict[str, int]:
     return {severity.value: severities.count(severity) for severity in SEVERITIES}
 
 
-def _package(package: PackageOutcome, number: int, texts: _Texts) -> dict[str, Any]:
+def _package(package: PackageOutcome, number: int) -> dict[str, Any]:
     """What the template shows of a package."""
     world = package.world
     name = _name(package)
@@ -226,7 +248,8 @@ def _package(package: PackageOutcome, number: int, texts: _Texts) -> dict[str, A
         "results": [row for robot in package.robots for row in _results(robot)],
         "behaviors": [row for robot in package.robots for row in _behaviors(robot)],
         "mass": sum(robot.mass for robot in package.robots if math.isfinite(robot.mass)),
-        "plan": None if package.plan is None else _plan(package, texts),
+        "plan": package.plan,
+        "starts": start_tree(package.plan.processes) if package.plan else (),
         "view": package.view,
         "view_label": _view_label(package),
         "video": _video(package.video),
@@ -287,13 +310,12 @@ def _robot(robot: RobotOutcome, number: str) -> dict[str, Any]:
         "id": f"robot-{number}",
         "entity": robot.entity,
         "mass": robot.mass,
-        "links": [_link(link, parents) for link in description.links] if description else [],
+        "links": description.links if description else (),
+        "parents": parents,
         "joints": [
-            _joint(joint, rest.joint_positions.get(joint.name) if rest else None)
-            for joint in description.joints
-        ]
-        if description
-        else [],
+            (joint, _numbers_of(joint, rest.joint_positions.get(joint.name) if rest else None))
+            for joint in (description.joints if description else ())
+        ],
         "phases": phases,
         "phase": next((number for number, one in enumerate(phases) if one in failed), 0),
         "plots": [*_plots(robot)],
@@ -362,21 +384,9 @@ def _from_to(values: Sequence[float], unit: str, digits: int) -> str:
     return ", ".join([way, *beyond])
 
 
-def _link(link: Link, parents: dict[str, str]) -> dict[str, Any]:
-    inertial = link.inertial
-    return {
-        "name": link.name,
-        "joint": parents.get(link.name, ""),
-        "mass": inertial.mass if inertial else None,
-        "center": inertial.pose_in_link.xyz if inertial else None,
-        "inertia": [inertial.inertia[number] for number in (0, 3, 5)] if inertial else [None] * 3,
-        "visuals": _shapes(visual.geometry for visual in link.visuals),
-        "collisions": _shapes(collision.geometry for collision in link.collisions),
-    }
-
-
-def _shapes(geometries: Iterable[Geometry]) -> str:
+def name_shapes(shapes: Iterable[Visual | Collision]) -> str:
     """What the shapes are, as "box, 2 meshes"."""
+    geometries = [shape.geometry for shape in shapes]
     kinds = ["mesh" if isinstance(one, Mesh) else type(one).__name__.lower() for one in geometries]
     return ", ".join(
         kind if kinds.count(kind) == 1 else f"{kinds.count(kind)} {_plural(kind)}"
@@ -388,21 +398,15 @@ def _plural(kind: str) -> str:
     return f"{kind}es" if kind.endswith(("x", "sh")) else f"{kind}s"
 
 
-def _joint(joint: Joint, position: float | None) -> dict[str, Any]:
-    has_bounds = joint.type in {JointType.REVOLUTE, JointType.PRISMATIC}
+def _numbers_of(joint: Joint, position: float | None) -> tuple[float | None, ...]:
+    """The bounds of a joint, where they count, and where it is at the end."""
     limit = joint.limit
-    return {
-        "name": joint.name,
-        "type": joint.type.value,
-        "parent": joint.parent,
-        "child": joint.child,
-        "axis": joint.axis_in_joint if joint.is_movable else None,
-        "lower": limit.lower if limit and has_bounds else None,
-        "upper": limit.upper if limit and has_bounds else None,
-        "effort": limit.effort if limit and joint.is_movable else None,
-        "velocity": limit.velocity if limit and joint.is_movable else None,
-        "position": position,
-    }
+    lower = upper = effort = velocity = None
+    if limit is not None and joint.type in {JointType.REVOLUTE, JointType.PRISMATIC}:
+        lower, upper = limit.lower, limit.upper
+    if limit is not None and joint.is_movable:
+        effort, velocity = limit.effort, limit.velocity
+    return lower, upper, effort, velocity, position
 
 
 def _results(robot: RobotOutcome) -> Iterator[dict[str, Any]]:
@@ -430,118 +434,12 @@ def _tone(one: EngineOutcome | None) -> str:
     return "good" if result_of(one).startswith(("stands", "settled")) else "mild"
 
 
-def _behaviors(robot: RobotOutcome) -> Iterator[dict[str, Any]]:
-    """A row for each behavior and engine."""
+def _behaviors(robot: RobotOutcome) -> Iterator[tuple[str, str, BehaviorOutcome]]:
+    """The robot and the engine of each behavior."""
     each: list[tuple[str, Sequence[BehaviorOutcome]]] = [
         (one.name, one.behaviors) for one in robot.engines
     ] or [("–", robot.behaviors)]
     for number in range(len(robot.behaviors)):
         for engine, behaviors in each:
             if number < len(behaviors):
-                one = behaviors[number]
-                yield {
-                    "entity": robot.entity,
-                    "engine": engine,
-                    "name": one.name,
-                    "asked": what_it_is_to_do(one.task),
-                    "expected": what_is_expected(one.task),
-                    "reached": what_it_did(one),
-                    "passed": one.passed,
-                    "is_left_out": one.is_left_out,
-                    "seconds": one.seconds,
-                    "printed": one.printed,
-                }
-
-
-def _plan(package: PackageOutcome, texts: _Texts) -> dict[str, Any]:
-    plan = package.plan
-    assert plan is not None  # noqa: S101  the caller has looked
-    return {
-        "launch_file": plan.launch_file,
-        "arguments": [
-            {
-                "name": one.name,
-                "value": texts.clip(str(one.value)),
-                "is_given": one.value != one.default,
-                "description": one.description,
-            }
-            for one in plan.arguments
-        ],
-        "environment": [(name, texts.clip(value)) for name, value in plan.environment.items()],
-        "includes": [
-            {
-                "name": f"{one.package} {one.file.name}" if one.package else texts.path(one.file),
-                "evaluated": one.evaluated,
-                "arguments": [(name, texts.clip(value)) for name, value in one.arguments.items()],
-            }
-            for one in plan.includes
-        ],
-        "starts": [
-            _started(one.process, one.followers, texts) for one in start_tree(plan.processes)
-        ],
-        "unresolved": [
-            {"what": texts.clip(one.what), "why": one.why, "file": one.file, "line": one.line}
-            for one in plan.unresolved
-        ],
-    }
-
-
-def _started(process: Process, followers: Iterable[Any], texts: _Texts) -> dict[str, Any]:
-    if process.command is not None:
-        what = texts.clip(" ".join(process.command))
-    elif process.package:
-        what = f"{process.package} {process.executable}"
-    else:
-        what = str(process.executable)
-    node = f"{process.namespace.rstrip('/')}/{process.name}" if process.name else process.namespace
-    return {
-        "what": what,
-        "node": node if process.command is None else "",
-        "container": process.container,
-        "cause": cause_of(process),
-        "file": process.file,
-        "line": process.line,
-        "details": [*_details(process, texts)],
-        "followers": [_started(one.process, one.followers, texts) for one in followers],
-    }
-
-
-def _details(process: Process, texts: _Texts) -> Iterator[tuple[str, str]]:
-    if process.arguments:
-        yield "arguments", texts.clip(" ".join(process.arguments))
-    for name, value in process.parameters.items():
-        if process.description_file is not None and str(value).lstrip().startswith("<"):
-            yield name, f"{len(value)} characters from {texts.path(process.description_file)}"
-        else:
-            yield name, texts.clip(str(value))
-    for source, target in process.remappings:
-        yield source, f"→ {target}"
-
-
-def _not_validated(one: NotValidated) -> dict[str, Any]:
-    return {
-        "name": f"{one.package} {one.launch_file.name}" if one.launch_file else one.package,
-        "reason": one.reason,
-        "robot_files": one.robot_files,
-    }
-
-
-def _rules(found: Iterable[Diagnostic]) -> Iterator[dict[str, Any]]:
-    """The documentation of the rules that are reported, each once."""
-    for code in sorted({one.code for one in found}):
-        rule: Rule | None = find_rule(code)
-        if rule is not None:
-            severity = rule.severity.value
-            if rule.severity_varies:
-                severity = f"{severity}; {rule.severity_varies}"
-            yield {
-                "code": rule.code,
-                "name": rule.name,
-                "summary": rule.summary,
-                "severity": severity,
-                "what": rule.what,
-                "why": rule.why,
-                "example": rule.example.strip("\n"),
-                "instead": rule.instead.strip("\n"),
-                "has_fix": rule.name in FIXERS,
-            }
+                yield robot.entity, engine, behaviors[number]
