@@ -167,8 +167,10 @@ def test_the_world_that_is_passed_to_what_starts_gazebo(given: str, worlds: set[
         IncludeLaunchDescription(join(share, 'launch', 'simulation.launch.py'){given})
         IncludeLaunchDescription(join(share, 'rviz.launch.py'), launch_arguments=[('a', '')])
         """)
-    taker = WorldTaker("its_world", "worlds/empty.sdf", frozenset({"arena"}))
-    context = Context({}, "my_robot", "jazzy", takers={"simulation.launch.py": taker})
+    taker = WorldTaker(
+        "simulation.launch.py", "its_world", "worlds/empty.sdf", frozenset({"arena"})
+    )
+    context = Context({}, "my_robot", "jazzy", takers=[taker])
     port = port_launch_file(SourceText(Path("top.launch.py"), text), context)
     after = apply(text, port.edits)
     share = "PathJoinSubstitution([FindPackageShare('its_world'), 'worlds', 'empty.sdf'])"

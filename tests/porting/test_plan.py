@@ -109,6 +109,53 @@ def generate_launch_description():
 
 
 @pytest.mark.slow
+def test_launch_files_of_one_name_in_two_packages(tmp_path: Path) -> None:
+    """Each starts Gazebo with a world of its own, and includes, or names, the other."""
+    packages = []
+    for name, default in (("one", ""), ("two", "city.world")):
+        package = tmp_path / "src" / name
+        shutil.copytree(golden_package("diff_drive-humble-classic"), package)
+        manifest = package / "package.xml"
+        text = manifest.read_text(encoding="utf-8").replace("gazebo_test", name)
+        manifest.write_text(text, encoding="utf-8")
+        (package / "launch/sim.launch.py").write_text(f"""\
+# ros2 launch {name} sim.launch.py
+from os.path import join
+from ament_index_python.packages import get_package_share_directory
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription
+from launch.substitutions import LaunchConfiguration
+
+def generate_launch_description():
+    return LaunchDescription([
+        DeclareLaunchArgument('world_{name}', default_value='{default}'),
+        IncludeLaunchDescription(
+            join(get_package_share_directory('gazebo_ros'), 'launch/gzserver.launch.py'),
+            launch_arguments={{'world': LaunchConfiguration('world_{name}')}}.items(),
+        ),
+    ])
+""")
+        packages.append(package)
+    (packages[0] / "launch/all.launch.py").write_text("""\
+from os.path import join
+from ament_index_python.packages import get_package_share_directory
+from launch import LaunchDescription
+from launch.actions import IncludeLaunchDescription
+
+def generate_launch_description():
+    return LaunchDescription([
+        IncludeLaunchDescription(
+            join(get_package_share_directory('two'), 'launch', 'sim.launch.py'),
+            launch_arguments={'world_two': ''}.items(),
+        ),
+    ])
+""")
+    list(write_port(plan(*packages)))
+    text = (packages[0] / "launch/all.launch.py").read_text(encoding="utf-8")
+    assert "'world_two': PathJoinSubstitution([FindPackageShare('two'), " in text
+
+
+@pytest.mark.slow
 def test_a_world_is_one_whatever_its_name_ends_with(tmp_path: Path) -> None:
     package = make(tmp_path, "diff_drive-humble-classic")
     (package / "model/hall.model").write_text("<sdf version='1.6'><world name='hall'/></sdf>")

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import ast
 import re
-from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.fixes.launch_files import RENAMED, name_of, tree_of
@@ -26,7 +25,7 @@ from wsgen.porting.porter import MODEL, NAMESPACE
 from wsgen.porting.python_edits import PythonEdits, argument
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterator, Mapping, Sequence
 
     from wsgen.checks.fixes.launch_files import Tree
     from wsgen.checks.fixes.source import SourceText
@@ -106,6 +105,7 @@ OF_WORLD = 0  # no line of a call
 class WorldTaker(NamedTuple):
     """A launch file that is given the world by arguments."""
 
+    name: str  # of the file
     package: str
     default_world: str | None  # as that of a `Context`
     arguments: frozenset[str]
@@ -124,7 +124,7 @@ class Context(NamedTuple):
     # The topics of all robots, for spawners whose robot is only known when it is launched.
     any_rows: Sequence[BridgeRow] = ()
     stampers: Sequence[Stamper] = ()  # for the controllers that the launch file may start
-    takers: Mapping[str, WorldTaker] = MappingProxyType({})  # by the names of launch files
+    takers: Collection[WorldTaker] = ()
 
     def rows_at(self, lines: range) -> Sequence[BridgeRow] | None:
         """The topics of the robots of a spawner on these lines; None where they are not known."""
@@ -140,7 +140,7 @@ UNKNOWN_ROBOT = (
 
 def port_launch_file(source: SourceText, context: Context) -> FilePort:
     """Port a launch file, or a Python module that one imports."""
-    words = (MANAGER, *context.takers)
+    words = (MANAGER, *(one.name for one in context.takers))
     if _NAMED.search(source.text) is None and not any(word in source.text for word in words):
         return FilePort()
     tree = tree_of(source)
@@ -344,10 +344,14 @@ class _Port(PythonEdits):
         """Port the worlds that are given to other launch files."""
         for call in self.calls("IncludeLaunchDescription"):
             texts = [one.text for one in self.texts(call)]
-            names = (text.rpartition("/")[2] for text in texts)
-            taker = next(filter(None, map(self.context.takers.get, names)), None)
-            if taker is None or any(OLD_PACKAGE in text for text in texts):
+            names = {text.rpartition("/")[2] for text in texts}
+            takers = [one for one in self.context.takers if one.name in names]
+            if not takers or any(OLD_PACKAGE in text for text in texts):
                 continue
+            packages = [*texts, self.context.package]
+            taker = next(
+                (one for name in packages for one in takers if one.package == name), takers[0]
+            )
             given = self.entries(self.value(argument(call, 1, "launch_arguments"))) or {}
             for name in taker.arguments:
                 if name not in given:

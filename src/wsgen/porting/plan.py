@@ -403,8 +403,8 @@ class _Known(NamedTuple):
 
 def _port_launch_files(ports: Sequence[_Port], target: Target, known: _Known) -> None:
     """Port the launch files of all packages; those that pass a world on, after what takes it."""
-    takers: dict[str, WorldTaker] = {}  # by the names of launch files
-    found: Collection[str] | None = None  # of them in the last round; None: there was none
+    takers: dict[Path, WorldTaker] = {}
+    found: Collection[str] | None = None  # names of these in the last round; None: there was none
     while found is None or found:
         before, rounds = found, [(port, _context(port, target, known)) for port in ports]
         found = set()
@@ -414,12 +414,14 @@ def _port_launch_files(ports: Sequence[_Port], target: Target, known: _Known) ->
                     continue
                 if before is not None and not any(name in source.text for name in before):
                     continue
-                own = context(source)._replace(takers={**takers})
+                own = context(source)._replace(takers=[*takers.values()])
                 made = port_launch_file(source, own)
                 port.ports[source.file] = [made]
-                taker = WorldTaker(port.package.name, own.default_world, made.worlds)
-                if made.worlds and takers.get(source.file.name) != taker:
-                    takers[source.file.name] = taker
+                was = takers.get(source.file)
+                worlds = made.worlds | (was.arguments if was else frozenset())
+                taker = WorldTaker(source.file.name, port.package.name, own.default_world, worlds)
+                if worlds and taker != was:
+                    takers[source.file] = taker
                     found.add(source.file.name)
     for port in ports:
         context = _context(port, target, known)
