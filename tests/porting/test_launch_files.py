@@ -92,6 +92,7 @@ def test_a_declared_world_is_seen_by_the_included_launch_file() -> None:
                 os.path.join(share, 'launch', 'gazebo.launch.py')
             )
         )
+        ld.add_action(declare)
         """
     )
     assert "DeclareLaunchArgument('world', default_value='empty.sdf')" in after
@@ -178,6 +179,20 @@ def test_the_world_that_is_passed_to_what_starts_gazebo(given: str, worlds: set[
     assert after.count("''") == 1
     assert port.worlds == worlds
     assert not port.files  # the other package has it
+
+
+def test_an_argument_that_is_declared_in_vain_has_a_default() -> None:
+    """Another launch file may still give it, as Classic's own launch file would see it."""
+    after, _ = ported("""\
+        declare_world = DeclareLaunchArgument('world', default_value=path)
+        declare_gui = DeclareLaunchArgument('gui', default_value='false')
+        ld.add_action(declare_gui)
+        # ld.add_action(declare_world)
+        ld.add_action(IncludeLaunchDescription(
+            [FindPackageShare('gazebo_ros'), '/launch/gazebo.launch.py']))
+        """)
+    assert "LaunchConfiguration('world', default='empty.sdf')" in after
+    assert "IfElseSubstitution(LaunchConfiguration('gui'), " in after
 
 
 def test_programs_of_fortress_are_renamed() -> None:

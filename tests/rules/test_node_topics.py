@@ -35,17 +35,20 @@ DRIVEN = Bridge("/drive", "/cmd_vel", "geometry_msgs/msg/Twist", "gz.msgs.Twist"
 OF_ARM = Bridge("/arm/cmd_vel", "/arm", "geometry_msgs/msg/Twist", "gz.msgs.Twist", TO_GZ)
 
 
-def controlled(plugin: str = "", parameters: str = "", plan: LaunchPlan = PLAN) -> Graph:
+def controlled(
+    plugin: str = "", parameters: str = "", plan: LaunchPlan = PLAN, around: str = "{}"
+) -> Graph:
     """A robot with a diff_drive_controller."""
     text = (
         f"<robot><plugin filename='gz_ros2_control-system'><parameters>{YAML}</parameters>{plugin}"
         "</plugin></robot>"
     )
-    content = yamlfile.parse(
+    sections = (
         "controller_manager: {ros__parameters: {drive: "
-        "{type: diff_drive_controller/DiffDriveController}}}\n"
+        "{type: diff_drive_controller/DiffDriveController}}},\n"
         f"drive: {{ros__parameters: {{{parameters}}}}}"
     )
+    content = yamlfile.parse(around.replace("{}", f"{{{sections}}}"))
     assert isinstance(content, yamlfile.Value)
     return graph_of(plan, (), (root_of(text),), {YAML: content}, ())
 
@@ -85,6 +88,11 @@ def remapping(old: str, kind: str = "remapping") -> str:
         (controlled(remapping("~/cmd_vel")), sent("/cmd_vel"), None),
         (controlled(remapping("~/cmd_vel", "argument")), sent("/cmd_vel"), None),
         (controlled(), sent("/drive/cmd_vel", TWIST), f"Publish {STAMPED} instead."),
+        (
+            controlled(around="/**: {}"),
+            sent("/drive/cmd_vel", TWIST),
+            f"Publish {STAMPED} instead.",
+        ),
         (controlled("", "use_stamped_vel: false"), sent("/drive/cmd_vel_unstamped", TWIST), None),
         (bridged(DRIVEN), sent("/cmd_vell", TWIST), "Did you mean `/cmd_vel`? If not, remap one"),
         (bridged(DRIVEN), sent("/cmdvel", TWIST), "Did you mean `/cmd_vel`?"),

@@ -221,9 +221,9 @@ class _Port(PythonEdits):
             )
             return
         of_server = ("world", *SWITCHES)
-        # The included launch file sees those that this one declares.
+        # The included launch file sees those that this one declares, or is given.
         values: dict[str, Given] = {
-            name: f"LaunchConfiguration({self.quoted(name)})"
+            name: f"LaunchConfiguration({self.quoted(name)}{self._if_not_given(name)})"
             for name in of_server
             if name in self.declared
         }
@@ -238,6 +238,16 @@ class _Port(PythonEdits):
             self.replace(given, f"{{{', '.join(lines)}}}.items()")
         else:
             self._replace_entries(entries, lines)
+
+    def _if_not_given(self, name: str) -> str:
+        """The default of a launch argument that is declared in vain, for lack of an action."""
+        parent = self.parents.get(self.declared[name])
+        names = {self.written(one) for one in getattr(parent, "targets", ())}
+        loaded = (one.id for one in self.tree.all(ast.Name) if isinstance(one.ctx, ast.Load))
+        if not names or not names.isdisjoint(loaded):
+            return ""
+        default = self._default_world() if name == "world" else self.quoted(str(ON[name]).lower())
+        return f", default={default}"
 
     def _replace_entries(self, entries: Mapping[str, Entry], lines: Sequence[str]) -> None:
         """Write new entries in place of the most telling one; the others go."""

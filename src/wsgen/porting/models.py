@@ -169,7 +169,10 @@ def _port_material(port: Porter, material: Node) -> None:
         blocks = _colors(port, script, name)
         if blocks:
             missing = [one for one in blocks if material.find(one.name) is None]
-            port.editor.replace(script, missing)
+            if missing:
+                port.editor.replace(script, missing)
+            else:
+                port.editor.remove(script)
         else:
             port.editor.comment_out(script)
 

@@ -152,7 +152,7 @@ def managed_controllers(
             kind = value.get("type")
             if kind is not None and kind.text:
                 name = f"{manager.rpartition('/')[0]}/{key}"
-                yield name, kind.text, sections.get(name)
+                yield name.removeprefix("/**"), kind.text, sections.get(name)
 
 
 def node_sections(value: yamlfile.Value, name: str) -> Iterator[tuple[str, yamlfile.Value]]:
