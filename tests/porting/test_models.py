@@ -816,6 +816,11 @@ def test_a_robot_of_several_has_topics_of_its_own(name: str) -> None:
         assert row.ros_topic.startswith(("/{namespace}/", "/tf", "/velodyne/"))
 
 
+def test_a_namespace_that_contains_elements_is_none() -> None:
+    text = SKID_STEER_OF_ROS_1.replace("<robotNamespace>/<", "<robotNamespace><a>b</a><")
+    assert ported(text) == SKID_STEER_AFTER
+
+
 def test_a_model_of_a_world_keeps_its_name() -> None:
     model = (
         """<model name="rover"><plugin name="p" filename="libgazebo_ros_planar_move.so"/></model>"""

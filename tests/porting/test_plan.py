@@ -382,17 +382,20 @@ def generate_launch_description():
 
 
 @pytest.mark.slow
-def test_the_topics_of_a_robot_in_the_world_are_bridged(tmp_path: Path) -> None:
+@pytest.mark.parametrize("world", ["os.path.join(share, 'worlds', 'w.world')", "'/home/a/w.world'"])
+def test_the_topics_of_a_robot_in_the_world_are_bridged(tmp_path: Path, world: str) -> None:
+    """Also where the launch file says where its author has the world."""
     package = tmp_path / "src" / "in_world"
     for name, text in IN_A_WORLD.items():
         file = package / name
         file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(text, encoding="utf-8")
+        moved = text.replace("os.path.join(share, 'worlds', 'w.world')", world)
+        file.write_text(moved, encoding="utf-8")
     list(write_port(plan(package)))
     launch_file = (package / "launch" / "world.launch.py").read_text(encoding="utf-8")
     assert "'/scan@sensor_msgs/msg/LaserScan[gz.msgs.LaserScan'" in launch_file
-    world = (package / "worlds" / "w.world").read_text(encoding="utf-8")
-    assert "gz::sim::systems::Sensors" in world
+    text = (package / "worlds" / "w.world").read_text(encoding="utf-8")
+    assert "gz::sim::systems::Sensors" in text
 
 
 @pytest.mark.slow

@@ -53,9 +53,8 @@ if TYPE_CHECKING:
 
 DEFAULT_WORLD = f"worlds/{EMPTY_WORLD}"
 _MARKUP = (".launch", ".launch.xml", ".launch.yaml", ".launch.yml")
-_OF_XML = (
-    *(".urdf", ".xacro", ".gazebo", ".sdf", ".world", ".model", ".xml", ".trans", ".urdf.in"),
-)
+_OF_WORLDS = (".sdf", ".world", ".model")
+_OF_XML = (".urdf", ".xacro", ".gazebo", *_OF_WORLDS, ".xml", ".trans", ".urdf.in")
 _ROBOT, _SDF, _WORLD, _LAUNCH = (
     re.compile(rf"<{name}\b") for name in ("robot", "sdf", "world", "launch")
 )
@@ -164,12 +163,13 @@ class _Launches:
     """What the launch files of packages put into the simulator."""
 
     def __init__(self, targets: Targets, environment: Mapping[str, str]) -> None:
-        self._models = {
-            file.parent.name: file
+        files = [
+            file
             for package in targets.packages
-            for file in list_files(package.path, (".sdf",), markers=BUILD_MARKERS)
-            if file.name == "model.sdf"
-        }
+            for file in list_files(package.path, _OF_WORLDS, markers=BUILD_MARKERS)
+        ]
+        self._models = {file.parent.name: file for file in files if file.name == "model.sdf"}
+        self._files = {file.name: file for file in files}
         self._spawns: dict[tuple[str, int], list[_Spawned]] = defaultdict(list)
         # Their texts, by the launch files that take part; "": Gazebo's own world.
         self._worlds: dict[str, set[str]] = defaultdict(set)
@@ -184,7 +184,10 @@ class _Launches:
     def _take(self, started: Started) -> None:
         simulator = started.simulator
         if simulator is not None:
-            source = read_source(Path(simulator.world)) if simulator.world else None
+            world = Path(simulator.world or "")
+            if not world.is_file():  # where its author has it
+                world = self._files.get(world.name, world)
+            source = read_source(world) if simulator.world else None
             for file in started.plan.evaluated_files:
                 self._worlds[real_path(file)].add("" if source is None else source.text)
         for spawn in started.spawns:
@@ -432,9 +435,7 @@ def _port_launch_files(ports: Sequence[_Port], target: Target, known: _Known) ->
 
 def _context(port: _Port, target: Target, known: _Known) -> Callable[[SourceText], Context]:
     """What the launch files of a package are ported with."""
-    own = next(
-        (one.file for one in port.files((".world", ".sdf")) if one.file.stem == "empty"), None
-    )
+    own = next((one.file for one in port.files(_OF_WORLDS) if one.file.stem == "empty"), None)
     world = DEFAULT_WORLD if known.systems else None
     if own is not None:
         world = own.relative_to(port.package.path).as_posix()

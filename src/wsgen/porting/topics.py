@@ -22,7 +22,8 @@ class Topics:
     def __init__(self, plugin: Node, namespace: str = "") -> None:
         ros = plugin.find("ros")
         written = [namespace, plugin.value("ros/namespace"), *map(plugin.value, _NAMESPACES)]
-        self._namespace = _namespace(next(filter(None, written), ""))
+        # What contains elements is no name.
+        self._namespace = _namespace(next((one for one in written if one and "<" not in one), ""))
         self._node = plugin.get("name") or "gazebo"
         rules = [] if ros is None else [one.text for one in ros.children(*REMAPPINGS)]
         pairs = [rule.partition(":=") for rule in rules if ":=" in rule]

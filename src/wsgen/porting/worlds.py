@@ -274,8 +274,8 @@ def _port_state(port: Porter, world: Node, state: Node) -> None:
         return
     port.leave(
         state,
-        f"Gazebo Sim does not read <state>: it is gone, and the poses of {moved} models and lights "
-        "are written into them.",
+        "Gazebo Sim does not read <state>: it is gone, and the poses of "
+        f"{moved or 'no'} models and lights are written into them.",
         "Set the positions of joints where models need them: they are not kept."
         if has_joints
         else "Check the places of the models.",
