@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from wsgen.cli.options import (
     Choice,
@@ -19,10 +20,14 @@ from wsgen.cli.options import (
     workspace_option,
 )
 from wsgen.cli.terminal import echo, echo_next
-from wsgen.errors import EXIT_PASSED, RequestError
+from wsgen.errors import EXIT_FAILED, EXIT_PASSED, RequestError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from wsgen.packages.workspace.layout import Workspace
     from wsgen.pipeline.create import CreatedPackage
+    from wsgen.porting.existing.package import ExistingRobot
 
 
 class NewCommand(ExampleCommand):
@@ -49,8 +54,8 @@ class NewCommand(ExampleCommand):
 @click.command(
     cls=NewCommand,
     examples=(
-        "wsgen new my_robot --set length=0.8 --license MIT",
-        "wsgen new rover -t diff_drive --distro jazzy --validate",
+        "wsgen new rover -t diff_drive --set wheel_radius=0.1 --distro jazzy --validate",
+        "wsgen new my_arm --from exports/arm_description.zip --distro jazzy",
     ),
 )
 @click.argument("name", metavar="PACKAGE")
@@ -68,6 +73,24 @@ class NewCommand(ExampleCommand):
 @sim_option
 @click.option(
     "--set", "settings", multiple=True, metavar="KEY=VALUE", help="Variable of the template."
+)
+@click.option(
+    "--from",
+    "source",
+    metavar="PATH",
+    help="Robot that exists already, instead of a template: a URDF or xacro file, a folder, a zip.",
+)
+@click.option(
+    "--arg",
+    "arguments",
+    multiple=True,
+    metavar="NAME:=VALUE",
+    help="With --from: argument of the xacro file.",
+)
+@click.option(
+    "--copy-outside",
+    is_flag=True,
+    help="With --from: also copy meshes that are outside of PATH.",
 )
 @click.option("--description", metavar="TEXT", help="Description of the package.")
 @click.option(
@@ -102,6 +125,9 @@ def command(
     distro: str,
     sim: str | None,
     settings: tuple[str, ...],
+    source: str | None,
+    arguments: tuple[str, ...],
+    copy_outside: bool,
     description: str | None,
     license_name: str,
     maintainer_name: str | None,
@@ -125,31 +151,132 @@ def command(
             "--format json cannot be combined with --build or --validate.",
             hint="Run `wsgen build` and `wsgen validate --format json` separately.",
         )
-    created = create(
-        name,
-        target=chosen_target(ctx, distro, sim),
-        template_name=template,
-        license_name=license_name,
-        workspace_folder=workspace,
-        settings=settings,
-        description=description,
-        maintainer_name=maintainer_name,
-        maintainer_email=maintainer_email,
-        workflow_service=ci,
-        is_dry_run=dry_run,
-        announce=partial(announce_place, given=workspace),
-    )
+    request: dict[str, Any] = {
+        "target": chosen_target(ctx, distro, sim),
+        "license_name": license_name,
+        "workspace_folder": workspace,
+        "settings": settings,
+        "description": description,
+        "maintainer_name": maintainer_name,
+        "maintainer_email": maintainer_email,
+        "workflow_service": ci,
+    }
+    announce = partial(announce_place, given=workspace)
+    existing = None
+    if source is None:
+        _refuse_without_source({"--arg": arguments, "--copy-outside": copy_outside})
+        created = create(
+            name, template_name=template, is_dry_run=dry_run, announce=announce, **request
+        )
+    else:
+        existing = _create_existing(
+            ctx,
+            name,
+            (source, arguments, copy_outside),
+            request,
+            is_dry_run=dry_run,
+            announce=announce,
+        )
+        created = existing.created
     _print_notes(created, verbose=verbose)
     goes_on = then_build or then_validate
     if output_format == "json":
         from wsgen.reporting.json_report import render_created
 
-        echo(render_created(created), nl=False)
+        echo(render_created(created, existing), nl=False)
     elif dry_run or not quiet:  # --dry-run is for the list of files
+        if existing is not None:
+            _print_existing(existing, quiet=quiet, verbose=verbose)
         _print_text(created, goes_on=goes_on)
     if dry_run or not goes_on:
-        return EXIT_PASSED
+        return EXIT_PASSED if existing is None or existing.passed else EXIT_FAILED
     return go_on(created, validate=then_validate, quiet=quiet, verbose=verbose)
+
+
+def _refuse_without_source(given: Mapping[str, object]) -> None:
+    """Refuse options that would have no effect.
+
+    Raises:
+        RequestError: One is given.
+    """
+    for option, value in given.items():
+        if value:
+            raise RequestError(
+                f"{option} is for a robot that exists already.",
+                hint=f"Add --from PATH, or omit {option}.",
+            )
+
+
+def _create_existing(
+    ctx: click.Context,
+    name: str,
+    words: tuple[str, tuple[str, ...], bool],
+    request: Mapping[str, Any],
+    *,
+    is_dry_run: bool,
+    announce: Callable[[Workspace], None],
+) -> ExistingRobot:
+    """Write a package of a robot that exists."""
+    import os
+
+    from wsgen.cli.words import split_launch_arguments
+    from wsgen.pipeline.create import plan_new
+    from wsgen.porting.existing.package import TEMPLATE, ExistingRequest, create_existing
+    from wsgen.templating.template import load_template
+
+    def is_given(option: str) -> bool:
+        return ctx.get_parameter_source(option) is ParameterSource.COMMANDLINE
+
+    for option, parameter in (("--template", "template"), ("--set", "settings")):
+        if is_given(parameter):
+            raise RequestError(
+                f"{option} cannot be combined with --from: the robot is that of its source.",
+                hint=f"Omit {option}, or --from.",
+            )
+    planned = plan_new(name, template=load_template(TEMPLATE, may_be_abstract=True), **request)
+    source, arguments, copy_outside = words
+    return create_existing(
+        planned,
+        ExistingRequest(
+            source,
+            arguments=split_launch_arguments(arguments),
+            copy_outside=copy_outside,
+            keeps_license=not is_given("license_name"),
+        ),
+        environment=os.environ,
+        is_dry_run=is_dry_run,
+        announce=announce,
+    )
+
+
+def _print_existing(existing: ExistingRobot, *, quiet: bool, verbose: bool) -> None:
+    """Print the comparison, what was done, and what simulators make of the robot."""
+    from wsgen.cli.output import MOST_ALIKE, render_diagnostics
+    from wsgen.cli.terminal import draw_table
+    from wsgen.cli.words import short_path
+
+    rows = [
+        (
+            row.aspect,
+            row.source,
+            row.package,
+            "same" if row.is_same else f"different: {', '.join(row.differing)}",
+        )
+        for row in existing.rows
+    ]
+    echo(f"Read {existing.source}")
+    for line in draw_table(rows, headings=("", "source", "package", ""), quiet=quiet):
+        echo(line)
+    for note in existing.notes:
+        echo(f"note: {note}", err=True)
+    for one in existing.unported:
+        echo(f"{short_path(one.file)}:{one.line}: {one.what} {one.advice}", err=True)
+    if existing.diagnostics:
+        echo("What simulators make of it:", err=True)
+        for line in render_diagnostics(
+            existing.diagnostics, most_alike=None if verbose else MOST_ALIKE
+        ):
+            echo(line, err=True)
 
 
 def _print_notes(created: CreatedPackage, *, verbose: bool) -> None:

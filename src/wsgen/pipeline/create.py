@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from wsgen.model.target import Target
     from wsgen.templating.render import RenderedTree
     from wsgen.templating.template import Template
+    from wsgen.templating.write import PackageTree
 
 
 DEFAULT_WORKSPACE = "ws_gazebo"
@@ -84,7 +85,51 @@ def create(  # noqa: PLR0913  the words of the request, all by keyword
         NotReadableError: The disk does not take the files; nothing is left of them.
         BrokenTemplateError: The template cannot be rendered.
     """
-    template = load_template(template_name)
+    planned = plan_new(
+        name,
+        target=target,
+        template=load_template(template_name),
+        license_name=license_name,
+        workspace_folder=workspace_folder,
+        settings=settings,
+        description=description,
+        maintainer_name=maintainer_name,
+        maintainer_email=maintainer_email,
+        workflow_service=workflow_service,
+    )
+    tree = _render(planned.spec, planned.template)
+    return write_new(planned, tree, is_dry_run=is_dry_run, announce=announce)
+
+
+class NewPackage(NamedTuple):
+    """A package that can be written: nothing has its name."""
+
+    spec: PackageSpec
+    template: Template
+    workspace: Workspace
+    workflow: RenderedTree  # in the folder of the workspace
+    has_placeholder: bool  # in place of an address of the maintainer
+
+    @property
+    def folder(self) -> Path:
+        """Where it will be."""
+        return self.workspace.source / self.spec.name
+
+
+def plan_new(  # noqa: PLR0913  the words of the request, all by keyword
+    name: str,
+    *,
+    target: Target,
+    template: Template,
+    license_name: str,
+    workspace_folder: str | None,
+    settings: Sequence[str],
+    description: str | None,
+    maintainer_name: str | None,
+    maintainer_email: str | None,
+    workflow_service: str | None,
+) -> NewPackage:
+    """Check what a package is to be, and its place; for the arguments and errors see `create`."""
     maintainer, has_placeholder = _choose_maintainer(maintainer_name, maintainer_email)
     spec = make_spec(
         name,
@@ -97,24 +142,34 @@ def create(  # noqa: PLR0913  the words of the request, all by keyword
     )
     workspace = _choose_place(workspace_folder, spec.name)
     spec = replace(spec, taken_entities=spawned_entities(workspace))
-    folder = workspace.source / spec.name
     workflow = _workflow_files(workflow_service, target)
     refuse_files(workflow, workspace.root)
+    return NewPackage(spec, template, workspace, workflow, has_placeholder)
+
+
+def write_new(
+    planned: NewPackage,
+    tree: PackageTree,
+    *,
+    is_dry_run: bool,
+    announce: Callable[[Workspace], None],
+) -> CreatedPackage:
+    """Write a package that was planned; for the errors see `create`."""
+    spec, workspace, workflow = planned.spec, planned.workspace, planned.workflow
     ignored, kept = _ignore_files(workspace)
-    tree = _render(spec, template)
     announce(workspace)
     if not is_dry_run:
         with adding_files(workflow, workspace.root, where_missing=ignored):
-            write_package(tree, folder)
+            write_package(tree, planned.folder)
     return CreatedPackage(
         workspace=workspace,
-        folder=folder,
+        folder=planned.folder,
         files=tuple(tree),
         workspace_files=(*ignored, *workflow),
         is_written=not is_dry_run,
-        placeholder_email=maintainer.email if has_placeholder else None,
+        placeholder_email=spec.maintainer.email if planned.has_placeholder else None,
         kept_file=kept,
-        end_of_life=end_of_life_note(target, time.strftime("%Y-%m-%d")),
+        end_of_life=end_of_life_note(spec.target, time.strftime("%Y-%m-%d")),
         repository=_repository_around(workspace.root) if workflow else None,
         is_of_ros=is_released(spec.name),
     )

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from wsgen.model.plan import LaunchArgument, LaunchPlan, Origin, Process
     from wsgen.model.transform import Pose
     from wsgen.pipeline.create import CreatedPackage
+    from wsgen.porting.existing.package import ExistingRobot
     from wsgen.templating.spec import Variable
     from wsgen.templating.template import Template
 
@@ -82,15 +83,31 @@ def render_outcome(outcome: Outcome) -> str:
     )
 
 
-def render_created(created: CreatedPackage) -> str:
+def render_created(created: CreatedPackage, existing: ExistingRobot | None = None) -> str:
     """A package that was written, for `wsgen new`; docs/json.md lists the keys."""
+    robot = {} if existing is None else {"robot": _existing(existing)}
     return _document(
         package=created.folder.name,
         path=_plain(created.folder),
         workspace=_plain(created.workspace.root),
         **fields(created, "files workspace_files"),
         written=created.is_written,
+        **robot,
     )
+
+
+def _existing(robot: ExistingRobot) -> dict[str, Any]:
+    rows = [
+        {"same": row.is_same, **fields(row, "aspect source package differing")}
+        for row in robot.rows
+    ]
+    return {
+        **fields(robot, "source kind notes"),
+        "same": robot.is_same,
+        "comparison": rows,
+        "not_in_package": [fields(one, "file line what advice") for one in robot.unported],
+        "diagnostics": _diagnostics(robot.diagnostics),
+    }
 
 
 def render_build(result: BuildResult) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import unicodedata
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from wsgen import __version__
 from wsgen.diagnostics import Diagnostic, Rule, Severity
@@ -198,15 +198,18 @@ class TooLargeError(Exception):
     """A template renders more text than is allowed."""
 
 
-def render_package(spec: PackageSpec, template: Template) -> RenderedTree:
+def render_package(
+    spec: PackageSpec, template: Template, added: Mapping[str, object] | None = None
+) -> RenderedTree:
     """Render all files of a package, sorted by path; each text ends with a line end.
 
-    This runs the template in this process; `render_apart` runs one of the user's.
+    `added` are more names for the sources, as for `render_tree`. This runs the template in this
+    process; `render_apart` runs one of the user's.
 
     Raises:
         BrokenTemplateError: a file cannot be rendered, or not be written.
     """
-    tree, diagnostics = render_tree(spec, template)
+    tree, diagnostics = render_tree(spec, template, added=added)
     refuse(diagnostics, template.folder)
     return tree
 
@@ -217,21 +220,26 @@ def render_tree(
     *,
     environment: Environment | None = None,
     wanted: Callable[[str], bool] | None = None,
+    added: Mapping[str, object] | None = None,
 ) -> tuple[RenderedTree, tuple[Diagnostic, ...]]:
     """Render the files as far as possible, and report the mistakes in the template.
 
     An environment for the folder of the template, if one is there already, has read its sources.
-    `wanted` chooses files by their paths; None: all.
+    `wanted` chooses files by their paths; None: all. `added` are more names for the sources; its
+    `files` are paths that the package has besides.
     """
     sources, diagnostics = _place(spec, template)
     if diagnostics:
         return {}, tuple(diagnostics)
     environment = environment or Environment(template.folder)
+    added = added or {}
+    files = sorted({*sources, *cast("Iterable[str]", added.get("files", ()))})
     context = {
+        **added,
         "package": spec,
         "variables": template.variables,
-        "files": sorted(sources),
-        "folders": installed_folders(sources),
+        "files": files,
+        "folders": installed_folders(files),
         "wsgen_version": __version__,
     }
     tree: RenderedTree = {}

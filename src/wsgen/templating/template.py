@@ -421,7 +421,7 @@ def template_names() -> list[str]:
     return [name for name in _shipped() if not _load_shipped(name).is_abstract]
 
 
-def load_template(given: str) -> Template:
+def load_template(given: str, *, may_be_abstract: bool = False) -> Template:
     """Load a template by its name, or from a folder of the user.
 
     Raises:
@@ -436,7 +436,7 @@ def load_template(given: str) -> Template:
             raise _no_template(given, folder)
         template, diagnostics = read_template(folder)
         refuse(diagnostics, folder)
-    if template.is_abstract:
+    if template.is_abstract and not may_be_abstract:
         raise RequestError(
             f"Template {template.name!r} is abstract: other templates extend it.",
             hint=f"Choose one of {', '.join(template_names())}.",

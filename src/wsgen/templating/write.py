@@ -18,6 +18,7 @@ import contextlib
 import errno
 import os
 import shutil
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from wsgen.errors import NotReadableError, WouldOverwriteError
@@ -28,15 +29,17 @@ except ImportError:  # on Windows
     fcntl = None  # type: ignore[assignment]
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator
     from pathlib import Path
 
 
 UNFINISHED_PREFIX = ".wsgen-new-"
+# Path with slashes -> a text, bytes, or the file that is copied.
+PackageTree = Mapping[str, "str | bytes | Path"]
 
 
-def write_package(tree: Mapping[str, str], folder: Path) -> None:
-    """Write the files of `tree` (path with slashes -> text) into the new folder `folder`.
+def write_package(tree: PackageTree, folder: Path) -> None:
+    """Write the files of `tree` into the new folder `folder`.
 
     Missing parents of `folder` are created, and removed again if writing fails.
 
@@ -132,18 +135,24 @@ def _lock(folder: Path, *, wait: bool) -> Iterator[bool]:
         os.close(descriptor)
 
 
-def write_files(tree: Mapping[str, str], folder: Path) -> None:
+def write_files(tree: PackageTree, folder: Path) -> None:
     """Write the files of a tree into a new folder, and flush them to the disk."""
     folder.mkdir()
-    for name, text in tree.items():
+    for name, content in tree.items():
         file = folder / name
         file.parent.mkdir(parents=True, exist_ok=True)
-        with file.open("x", encoding="utf-8", newline="\n") as stream:
-            stream.write(text)
+        with file.open("xb") as stream:
+            if isinstance(content, str | bytes):
+                stream.write(content.encode() if isinstance(content, str) else content)
+            else:
+                with content.open("rb") as source:
+                    shutil.copyfileobj(source, stream)
             stream.flush()
             # Some disks report only now that they are full; after a power cut no file is empty.
             os.fsync(stream.fileno())
-        if text.startswith("#!"):  # a program, also where an installation links to it
+        if isinstance(content, str) and content.startswith(
+            "#!"
+        ):  # a program, also where an installation links to it
             mode = file.stat().st_mode
             file.chmod(mode | (mode & 0o444) >> 2)  # who may read it may execute it
 

@@ -1,0 +1,475 @@
+"""Make a package of a robot that exists: from what `wsgen new --from` names to the files."""
+
+from __future__ import annotations
+
+import itertools
+import re
+import shutil
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from wsgen.checks.rules.entities import lowest_point
+from wsgen.descriptions.meshes.lookup import find_meshes
+from wsgen.descriptions.urdf.reader import read_urdf
+from wsgen.descriptions.xacro.reader import expand_file
+from wsgen.diagnostics import Severity, has_errors
+from wsgen.errors import NotReadableError
+from wsgen.isolation.parent import make_scratch, run
+from wsgen.model.kinematics import link_poses
+from wsgen.model.robot import Box, Capsule, Cylinder, Mesh, Sphere
+from wsgen.model.transform import IDENTITY, compose, rotation_of_rpy
+from wsgen.packages.source_shares import serve_sources
+from wsgen.packages.workspace.overlay import overlay_of
+from wsgen.pipeline.create import write_new
+from wsgen.pipeline.prepare import PrepareContext, prepare_robot, share_on_model_path
+from wsgen.porting.existing.comparison import compare
+from wsgen.porting.existing.kept_xacro import FOLDER, KeptFiles, NotKeptError, keep_files
+from wsgen.porting.existing.reading import KINDS, read_robot, refuse
+from wsgen.porting.existing.resources import (
+    CONFIG,
+    find_references,
+    place_files,
+    rewrite,
+    usable,
+)
+from wsgen.porting.existing.sources import open_source
+from wsgen.templating.render import render_package, render_tree
+from wsgen.templating.spec import license_names
+from wsgen.text.files import read_regular_text
+from wsgen.text.markup import without_comments
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.model.robot import Geometry, Robot
+    from wsgen.packages.workspace.layout import Workspace
+    from wsgen.pipeline.create import CreatedPackage, NewPackage
+    from wsgen.pipeline.prepare import PreparedRobot
+    from wsgen.porting.existing.comparison import ComparedRow
+    from wsgen.porting.existing.description import Description
+    from wsgen.porting.existing.sources import Source
+    from wsgen.porting.ported import Unported
+    from wsgen.templating.template import Template
+    from wsgen.templating.write import PackageTree
+
+
+TEMPLATE = "existing"
+MAIN = "model/robot.xacro"
+_NOT_NEEDED = ("model/inertia.xacro",)  # of the files of other templates
+_CLEARANCE = 0.005  # m, under the robot when it is spawned
+_LICENSE = re.compile(r"<license[^>]*>([^<]+)</license>")
+_LICENSE_FILES = ("LICENSE", "LICENSE.txt", "LICENSE.md", "COPYING", "license.txt", "license.md")
+_EXPRESSION = re.compile(r"\$(?=[({])")
+
+
+class ExistingRequest(NamedTuple):
+    """What is to become a package, and how."""
+
+    source: str  # as given
+    arguments: Mapping[str, str] = {}  # of a xacro file
+    copy_outside: bool = False  # also files that are not of the source
+    keeps_license: bool = True  # that of the source, if it names one
+
+
+class ExistingRobot(NamedTuple):
+    """A robot that has become a package."""
+
+    created: CreatedPackage
+    source: str  # the file that it was read from
+    kind: str  # of that: urdf, xacro, sdf, mjcf
+    rows: tuple[ComparedRow, ...]
+    notes: tuple[str, ...]  # sentences: what was done, and what its author should know
+    unported: tuple[Unported, ...]
+    diagnostics: tuple[Diagnostic, ...]  # what simulators make of it
+
+    @property
+    def is_same(self) -> bool:
+        """Whether the robot of the package is that of the source."""
+        return all(row.is_same for row in self.rows)
+
+    @property
+    def passed(self) -> bool:
+        """Whether it is, and simulators take all of it."""
+        return self.is_same and not has_errors(self.diagnostics)
+
+
+def create_existing(
+    planned: NewPackage,
+    request: ExistingRequest,
+    *,
+    environment: Mapping[str, str],
+    is_dry_run: bool,
+    announce: Callable[[Workspace], None],
+) -> ExistingRobot:
+    """Write a package with a robot that exists.
+
+    Raises:
+        RequestError: The source is no robot, or names files outside of it.
+        NotFoundError: The source or a mesh does not exist.
+        NotReadableError: The robot cannot be read; or the disk does not take the files.
+        WouldOverwriteError: The package exists; nothing is written.
+    """
+    with make_scratch() as scratch:
+        source = open_source(request.source, scratch, environment)
+        source, description, _ = read_robot(
+            source,
+            request.arguments,
+            copy_outside=request.copy_outside,
+            skip_missing=False,
+            environment=environment,
+            scratch=scratch,
+        )
+        making = _Making(planned, request, source, description, environment, scratch)
+        tree = making.make()
+        created = write_new(planned, tree, is_dry_run=is_dry_run, announce=announce)
+        return ExistingRobot(
+            created,
+            source.shown,
+            source.kind,
+            tuple(making.rows),
+            tuple(making.notes),
+            description.notes,
+            tuple(making.diagnostics),
+        )
+
+
+class _Making:
+    """A package while it is made."""
+
+    def __init__(  # noqa: PLR0913, PLR0917  what it is made of
+        self,
+        planned: NewPackage,
+        request: ExistingRequest,
+        source: Source,
+        description: Description,
+        environment: Mapping[str, str],
+        scratch: Path,
+    ) -> None:
+        self.spec, self.folder = planned.spec, planned.folder
+        self.template = _without(planned.template, _NOT_NEEDED)
+        self.request, self.source, self.description = request, source, description
+        self.environment, self.scratch = environment, scratch
+        self.resources = place_files(description.meshes, source)
+        self.rows: list[ComparedRow] = []
+        self.notes: list[str] = []
+        self.diagnostics: list[Diagnostic] = []
+
+    def make(self) -> PackageTree:
+        """The files of the package; what is compared and reported comes with them."""
+        written = self._written()
+        robot, found = self._read(self.description.text)
+        if robot is None:
+            refuse(found, self.source)
+        texts, text = self._choose_texts(written)
+        files: dict[str, str | bytes | Path] = {**self.resources.files, **texts.more, **texts.files}
+        laid = self.scratch / "package" / self.spec.name
+        prepared = self._prepare(text, laid)
+        self.rows = compare(self._with_meshes(), self._located(prepared.written, laid))
+        self._note_files()
+        license_text = self._take_license()
+        if license_text is not None:
+            files["LICENSE"] = license_text
+        added = {"robot": self._facts(texts, prepared), "files": [*files]}
+        rendered = render_package(self.spec, self.template, added)
+        return dict(sorted({**rendered, **files}.items()))
+
+    def _written(self) -> str:
+        """The URDF with the names that its files have in the package."""
+        folders = (*self.source.roots, *self.source.packages.values())
+        references = find_references(self.description.text, folders)
+        return rewrite(self.description.text, references, self._new_name)
+
+    def _new_name(self, name: str) -> str | None:
+        place = self.resources.names.get(name)
+        if place is None:
+            return None
+        if place.startswith(f"{CONFIG}/"):
+            return f"$(find {self.spec.name})/{place}"
+        return f"package://{self.spec.name}/{place}"
+
+    def _choose_texts(self, written: str) -> tuple[KeptFiles, str]:
+        """The files of the robot, and what they expand to: its own if they can be kept."""
+        if self.source.kind == "xacro":
+            try:
+                return self._keep(written)
+            except NotKeptError as reason:
+                name = self.source.file.name
+                self.notes.append(f"Wrote what {name} expands to, without its macros: {reason}.")
+        texts = self._alone(written)
+        try:
+            return texts, self._expand(texts)
+        except NotKeptError as reason:
+            raise NotReadableError(
+                f"{self.source.shown}: {reason}.",
+                hint=f"wsgen check {self.source.file} says more about the file.",
+            ) from None
+
+    def _keep(self, written: str) -> tuple[KeptFiles, str]:
+        """The files of xacro, and what they expand to, which must be the robot."""
+        kept = keep_files(self.source, self.resources, self.spec.name)
+        expanded = self._expand(kept)
+        here = f"$(find {self.spec.name})"
+        wanted = written.replace(here, str(self.scratch / "package" / self.spec.name))
+        if _inside(expanded) != _inside(wanted):
+            raise NotKeptError("with the names of the package they become another robot")
+        count = len(kept.files)
+        files = "file" if count == 1 else f"files ({count})"
+        self.notes.append(f"Kept the xacro {files} with the macros.")
+        return kept, expanded
+
+    def _alone(self, written: str) -> KeptFiles:
+        """The robot as one URDF; xacro, which includes it, finds no expressions in it."""
+        own = f"$(find {self.spec.name})/{CONFIG}/"
+        escaped = _EXPRESSION.sub("$$", written.replace(own, "\0")).replace("\0", own)
+        name = self.source.file.name.removesuffix(".xacro").removesuffix(".urdf")
+        main = f"{FOLDER}/{usable(name)}.urdf"
+        return KeptFiles(main, {main: escaped}, {})
+
+    def _expand(self, texts: KeptFiles) -> str:
+        """What the package's robot expands to, as far as it is there; it is laid out for that."""
+        laid = self.scratch / "package" / self.spec.name
+        shutil.rmtree(laid.parent, ignore_errors=True)
+        _lay_out({**self.resources.files, **texts.more, **texts.files}, laid)
+        robot = {"file": texts.main, "arguments": self.request.arguments}
+        model, _ = render_tree(
+            self.spec, self.template, wanted=lambda path: path == MAIN, added={"robot": robot}
+        )
+        _lay_out(model, laid)
+        place = self.scratch / "of_package"
+        shutil.rmtree(place, ignore_errors=True)
+        served = serve_sources({self.spec.name: laid}, place, self.environment)
+        text, found = expand_file(laid / MAIN, {}, environment=served)
+        if text is None:
+            raise NotKeptError(f"xacro fails in the package: {found[-1].message.rstrip('.')}")
+        return text
+
+    def _read(self, text: str) -> tuple[Robot | None, tuple[Diagnostic, ...]]:
+        return read_urdf(text, file=self.source.file)
+
+    def _with_meshes(self) -> Robot:
+        """The robot of the source, its meshes with their paths."""
+        robot, _ = self._read(self.description.text)
+        assert robot is not None  # noqa: S101  else it was refused
+        paths: dict[str, str] = {}
+        for name, content in self.description.meshes.items():
+            if isinstance(content, bytes):
+                path = self.scratch / f"mesh-{len(paths)}{Path(name).suffix}"
+                path.write_bytes(content)
+            else:
+                path = content
+            paths[name] = str(path)
+        return _with_paths(robot, paths)
+
+    def _located(self, robot: Robot, laid: Path) -> Robot:
+        """The robot of the package, its meshes with their paths."""
+        return find_meshes(robot, share_of=self._share_of(laid), folder=laid / "model")[0]
+
+    def _share_of(self, laid: Path) -> Callable[[str], Path | None]:
+        overlay = overlay_of(self.environment)
+        on_path = share_on_model_path(self.environment)
+        return lambda name: laid if name == self.spec.name else overlay.share(name) or on_path(name)
+
+    def _prepare(self, text: str, laid: Path) -> PreparedRobot:
+        """The robot as the simulator has it, with what wsgen reports of it."""
+        meshes = self.scratch / "meshes"
+        meshes.mkdir()
+        context = PrepareContext(share_of=self._share_of(laid), folder=meshes, run=run)
+        target = self.spec.target
+        prepared, found = prepare_robot(
+            text,
+            file=laid / MAIN,
+            context=context,
+            simulator=target.simulator,
+            distro=target.distro,
+        )
+        if prepared is None:
+            refuse(found, self.source)
+        assert prepared is not None  # noqa: S101  else there is an error
+        self.diagnostics = [
+            replace(one, file=self._final(one.file, laid))
+            for one in found
+            if one.severity is not Severity.INFO
+        ]
+        return prepared
+
+    def _final(self, file: Path | None, laid: Path) -> Path | None:
+        """Where a file will be that is laid out now."""
+        if file is None or not file.is_relative_to(laid):
+            return file
+        return self.folder / file.relative_to(laid)
+
+    def _facts(self, texts: KeptFiles, prepared: PreparedRobot) -> Mapping[str, object]:
+        """What the sources of the template may name as `robot`."""
+        robot = prepared.written
+        height = 0.0 if robot.fixed_to_world else _CLEARANCE - _lowest(prepared.lumped)
+        places = [pose.xyz for pose in link_poses(robot, IDENTITY).values()]
+        extent = max((abs(value) for xyz in places for value in xyz), default=0.0)
+        return {
+            "file": texts.main,
+            "arguments": self.request.arguments,
+            "name": self.description.name,
+            "root": robot.root,
+            "height": f"{height:.4f}".rstrip("0").ljust(3, "0"),
+            "distance": max(1.0, round(2.5 * extent, 1)),
+            "source": self.source.file.name,
+            "kind": KINDS[self.source.kind],
+            "mass": f"{robot.mass:.4g}",
+            "joints": len(robot.joints),
+            "movable": len(robot.movable_joints),
+            "links": len(robot.links),
+            "meshes": sum(path.startswith("meshes/") for path in self.resources.files),
+            "rows": self.rows,
+            "notes": self.notes,
+            "unported": self.description.notes,
+        }
+
+    def _note_files(self) -> None:
+        renamed = {
+            Path(name).name: place
+            for name, place in self.resources.names.items()
+            if Path(name).name != Path(place).name
+        }
+        for name, place in renamed.items():
+            self.notes.append(f"Renamed the file `{name}` to {place}.")
+        outside = [
+            path
+            for path in self.resources.files.values()
+            if isinstance(path, Path) and not self.source.owns(path)
+        ]
+        if outside:
+            self.notes.append(
+                f"Copied {len(outside)} files from outside of the source, such as {outside[0]}:"
+                " look at their license."
+            )
+        lost = self.resources.lost
+        if lost:
+            more = f" and {len(lost) - 1} more" if len(lost) > 1 else ""
+            self.notes.append(f"Meshes name files that were not found: {lost[0]}{more}.")
+
+    def _take_license(self) -> str | None:
+        """Take the license of the source; its text, unless it is one that wsgen has."""
+        if not self.request.keeps_license:
+            return None
+        root = self.source.roots[-1]
+        found = None
+        for folder in dict.fromkeys((*self.source.packages.values(), *self.source.roots)):
+            manifest = folder / "package.xml"
+            if self.source.file.is_relative_to(folder) and manifest.is_file():
+                found = _LICENSE.search(read_regular_text(manifest, errors="replace"))
+                root = folder
+        text = next(
+            (
+                read_regular_text(root / name, errors="replace")
+                for name in _LICENSE_FILES
+                if (root / name).is_file()
+            ),
+            None,
+        )
+        name = found[1].strip() if found is not None else ""
+        if not name or name.upper() == "TODO":
+            self.notes.append(
+                f"The source names no license: package.xml says {self.spec.license}, which is for"
+                " you to grant or to change."
+            )
+            return text
+        known = next((one for one in license_names() if one.lower() == name.lower()), None)
+        self.spec = replace(self.spec, license=known or name)
+        if known is not None and text is None:
+            return None
+        self.template = _without(self.template, ("LICENSE",))
+        if text is None:
+            self.notes.append(
+                f"The license of the source is `{name}`, without its text: put it into LICENSE."
+            )
+        return text or (
+            f"The robot in this package came with the license `{name}`.\n"
+            "Its source did not have the text of the license: put it here.\n"
+        )
+
+
+def _without(template: Template, paths: tuple[str, ...]) -> Template:
+    """A template that makes some files less."""
+    return template._replace(
+        parts=tuple(
+            part._replace(
+                files={path: one for path, one in part.files.items() if path not in paths}
+            )
+            for part in template.parts
+        )
+    )
+
+
+def _with_paths(robot: Robot, paths: Mapping[str, str]) -> Robot:
+    """A robot whose meshes have the paths of their files, by the names of these."""
+
+    def located(geometry: Geometry) -> Geometry:
+        if isinstance(geometry, Mesh):
+            return replace(geometry, path=paths.get(geometry.uri))
+        return geometry
+
+    links = (
+        replace(
+            link,
+            visuals=tuple(replace(one, geometry=located(one.geometry)) for one in link.visuals),
+            collisions=tuple(
+                replace(one, geometry=located(one.geometry)) for one in link.collisions
+            ),
+        )
+        for link in robot.links
+    )
+    return replace(robot, links=tuple(links))
+
+
+def _lowest(robot: Robot) -> float:
+    """A height that nothing of the robot is below with all joints at zero, its root at 0; m."""
+    exact = lowest_point(robot, IDENTITY)
+    if exact is not None:
+        return exact
+    poses = link_poses(robot, IDENTITY)
+    heights = [0.0]
+    for link in robot.links:
+        for collision in link.collisions:
+            pose = compose(poses[link.name], collision.pose_in_link)
+            down = rotation_of_rpy(pose.rpy)[2]
+            heights += [
+                pose.z + sum(a * b for a, b in zip(down, corner, strict=True))
+                for corner in itertools.product(*_box_of(collision.geometry))
+            ]
+    return min(heights)
+
+
+def _box_of(geometry: Geometry) -> Iterable[tuple[float, float]]:
+    """From where to where a shape reaches along each of its axes, m."""
+    if isinstance(geometry, Mesh) and geometry.bounds is not None:
+        low, high = geometry.bounds
+        return [(a * s, b * s) for a, b, s in zip(low, high, geometry.scale, strict=True)]
+    if isinstance(geometry, Box):
+        return [(-edge / 2, edge / 2) for edge in geometry.size]
+    if isinstance(geometry, Sphere | Cylinder | Capsule):
+        half = 0.0 if isinstance(geometry, Sphere) else geometry.length / 2
+        half += 0.0 if isinstance(geometry, Cylinder) else geometry.radius
+        return [(-geometry.radius, geometry.radius)] * 2 + [(-half, half)]
+    return [(0.0, 0.0)] * 3
+
+
+def _lay_out(tree: PackageTree, folder: Path) -> None:
+    """Write texts into a folder, with links to the files that are copied later."""
+    for name, content in tree.items():
+        place = folder / name
+        place.parent.mkdir(parents=True, exist_ok=True)
+        if isinstance(content, Path):
+            try:
+                place.symlink_to(content)
+            except OSError:  # Windows lets only administrators make links
+                shutil.copyfile(content, place)
+        else:
+            place.write_bytes(content.encode() if isinstance(content, str) else content)
+
+
+def _inside(text: str) -> str:
+    """What is in <robot>, however it is written."""
+    text = without_comments(text)
+    inside = text[text.find(">", text.find("<robot")) + 1 : text.rfind("</robot")]
+    return " ".join(inside.split())
