@@ -131,14 +131,14 @@ def test_a_zip_says_less_than_it_holds(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("given", "error", "why", "next_step"),
     [
-        ("-", RequestError, "no standard input", "Save it to a file"),
-        ("https://example.com/a.urdf", RequestError, "downloads nothing", "Clone or download"),
-        ("git@example.com:a/b.git", RequestError, "downloads nothing", "Clone or download"),
+        ("-", RequestError, "not read standard input", "Save it to a file"),
+        ("https://example.com/a.urdf", RequestError, "not download anything", "Clone or download"),
+        ("git@example.com:a/b.git", RequestError, "not download anything", "Clone or download"),
         ("/dev/null", RequestError, "a device", "Give a URDF"),
         ("missing.urdf", NotFoundError, "does not exist", "Give a file"),
-        ("part.stl", RequestError, "no description", "A mesh is one part"),
-        ("robot.tar.gz", RequestError, "no description", "Unpack it"),
-        ("notes.txt", RequestError, "no description", "root element"),
+        ("part.stl", RequestError, "not describe a robot", "A mesh is one part"),
+        ("robot.tar.gz", RequestError, "not describe a robot", "Unpack it"),
+        ("notes.txt", RequestError, "not describe a robot", "root element"),
         ("empty", NotFoundError, "has no robot", "Give the folder that has it"),
     ],
 )

@@ -370,7 +370,7 @@ class _Making:
         name = found[1].strip() if found is not None else ""
         if not name or name.upper() == "TODO":
             self.notes.append(
-                f"The source names no license: package.xml says {self.spec.license}, which is for"
+                f"The source does not name a license: package.xml says {self.spec.license}, which is for"
                 " you to grant or to change."
             )
             return text

@@ -116,12 +116,12 @@ def open_source(given: str, scratch: Path, environment: Mapping[str, str]) -> So
 def _require(given: str) -> Path:
     if given in {"-", "/dev/stdin"}:
         raise RequestError(
-            "--from reads no standard input: meshes are found from the place of the file.",
+            "--from does not read standard input: meshes are found from the place of the file.",
             hint="Save it to a file first: wsgen new NAME --from robot.urdf",
         )
     if _ADDRESS.match(given):
         raise RequestError(
-            f"--from {given}: wsgen downloads nothing.",
+            f"--from {given}: wsgen does not download anything.",
             hint="Clone or download it first, and give the folder or the zip: --from FOLDER",
         )
     path = Path(given).expanduser().absolute()
@@ -134,7 +134,7 @@ def _require(given: str) -> Path:
     kind = irregular_kind(path)
     if not path.is_dir() and (kind is not None or not path.is_file()):
         raise RequestError(
-            f"--from {given} is {kind or 'no regular file'}.",
+            f"--from {given} is {kind or 'not a regular file'}.",
             hint="Give a URDF or xacro file, a folder or a zip.",
         )
     if not os.access(path, os.R_OK | (os.X_OK if path.is_dir() else 0)):
@@ -158,7 +158,7 @@ def _kind_of_file(file: Path) -> str:
         hint = "A mesh is one part: give the URDF, xacro, SDF or MJCF that names it."
     else:
         hint = "Give a file with the root element <robot>, <sdf> or <mujoco>, a folder or a zip."
-    raise RequestError(f"{file} is no description of a robot.", hint=hint)
+    raise RequestError(f"{file} does not describe a robot.", hint=hint)
 
 
 def _folder_of(file: Path) -> Path:
