@@ -136,7 +136,7 @@ def test_a_zip_says_less_than_it_holds(tmp_path: Path) -> None:
         ("git@example.com:a/b.git", RequestError, "not download anything", "Clone or download"),
         ("/dev/null", RequestError, "a device", "Give a URDF"),
         ("missing.urdf", NotFoundError, "does not exist", "Give a file"),
-        ("part.stl", RequestError, "not describe a robot", "A mesh is one part"),
+        ("part.stl", RequestError, "not describe a robot", "Give the URDF"),
         ("robot.tar.gz", RequestError, "not describe a robot", "Unpack it"),
         ("notes.txt", RequestError, "not describe a robot", "root element"),
         ("empty", NotFoundError, "has no robot", "Give the folder that has it"),

@@ -155,7 +155,7 @@ def _kind_of_file(file: Path) -> str:
     if suffix in _ARCHIVES:
         hint = "Unpack it, and give the folder."
     elif suffix in _MESHES:
-        hint = "A mesh is one part: give the URDF, xacro, SDF or MJCF that names it."
+        hint = "Give the URDF, xacro, SDF or MJCF that names it: a mesh is one part of a robot."
     else:
         hint = "Give a file with the root element <robot>, <sdf> or <mujoco>, a folder or a zip."
     raise RequestError(f"{file} does not describe a robot.", hint=hint)
