@@ -45,7 +45,7 @@ IMPERATIVES = frozenset(
         Download End Expand Export Extend Fix Free Give Go Include Indent Install Keep Leave Let
         List Look Make Move Name Omit Port Publish Put Raise Read Record Reduce Remove Rename Repeat
         Replace Report Restore Rewrite Run Save Select Separate Set Simulate Source Spawn Start Swap
-        Triangulate Try Turn Use Validate Wait Wrap Write
+        Triangulate Try Turn Unpack Use Validate Wait Wrap Write
         """,
     )
 )

@@ -7,9 +7,9 @@ import re
 from pathlib import Path
 
 import pytest
-from report.test_json_report import documented_keys, keys
 
 from existing_robots import write_arm
+from reporting.test_json_report import documented_keys, keys
 from wsgen.cli import run
 from wsgen.descriptions.rules import NO_LINK
 from wsgen.diagnostics import Severity

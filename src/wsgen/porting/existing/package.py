@@ -370,8 +370,8 @@ class _Making:
         name = found[1].strip() if found is not None else ""
         if not name or name.upper() == "TODO":
             self.notes.append(
-                f"The source does not name a license: package.xml says {self.spec.license}, which is"
-                " for you to grant or to change."
+                "The source does not name a license: package.xml says"
+                f" {self.spec.license}, which is for you to grant or to change."
             )
             return text
         known = next((one for one in license_names() if one.lower() == name.lower()), None)

@@ -351,5 +351,5 @@ def _parts(entry: zipfile.ZipInfo) -> list[str]:
 def _refused(archive: Path, why: str) -> NotReadableError:
     return NotReadableError(
         f"{archive} is not unpacked: {why}. Nothing was written.",
-        hint="Unpack it yourself, look at it, and give the folder.",
+        hint="Unpack it yourself, and give the folder.",
     )
