@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.diagnostics import Rule, Severity
 from wsgen.packages.workspace.layout import BUILD_RESULT
 from wsgen.packages.workspace.manifest import BUILD_TAGS, RUN_TAGS
-from wsgen.text.files import read_regular_text
+from wsgen.text.files import read_or_empty
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -63,7 +63,7 @@ def failed_builds(
 
 def _failed_build(workspace: Workspace, package: PackageFolder) -> FailedBuild | None:
     folder = workspace.build / package.name
-    result = _read(folder / BUILD_RESULT).strip()
+    result = read_or_empty(folder / BUILD_RESULT).strip()
     is_good = result in {"", "0"}
     if is_good and not _was_started_after(folder):
         return None
@@ -98,16 +98,9 @@ def _last_log(workspace: Workspace, package: str) -> Path | None:
 
 def _result_in(log: Path, package: str) -> str | None:
     """The result of a package; empty where its build did not end, None where nothing says it."""
-    text = _read(log / "events.log")
+    text = read_or_empty(log / "events.log")
     events = re.findall(_EVENT.format(re.escape(package)), text, re.MULTILINE)
     return events[-1] if events else None
-
-
-def _read(file: Path) -> str:
-    try:
-        return read_regular_text(file, errors="replace")
-    except OSError:
-        return ""
 
 
 def explain_builds(
@@ -197,8 +190,8 @@ def _first_error(
 
 def _error_output(log: Path) -> str:
     """What the programs of a package wrote about errors, as `wsgen.building.colcon` collects it."""
-    of_errors = _read(log / "stderr.log")
-    _, failed, rest = _read(log / "stdout.log").partition("\nFAILED: ")
+    of_errors = read_or_empty(log / "stderr.log")
+    _, failed, rest = read_or_empty(log / "stdout.log").partition("\nFAILED: ")
     return of_errors + failed + rest
 
 

@@ -13,6 +13,7 @@ from wsgen.cli.terminal import draw_table, echo
 from wsgen.cli.words import short_name, short_path
 from wsgen.diagnostics import Severity
 from wsgen.model.outcome import summed_up
+from wsgen.text.printable import count_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -107,12 +108,12 @@ def render_summary(
 ) -> list[str]:
     """How much was checked and reported, and what to do next."""
     counted = Counter(found.severity for found in reported.diagnostics)
-    numbers = [_count(counted[severity], name) for severity, name in NAMES.items()]
+    numbers = [count_of(counted[severity], name) for severity, name in NAMES.items()]
     lines = []
     if fixed:
-        lines.append(f"Fixed {_count(fixed, 'diagnostic')}.")
+        lines.append(f"Fixed {count_of(fixed, 'diagnostic')}.")
     subjects = [
-        _count(number, what)
+        count_of(number, what)
         for number, what in ((len(outcome.packages), "package"), (len(outcome.files), "file"))
         if number
     ]
@@ -125,14 +126,10 @@ def render_summary(
     more = f" Not counted: {', '.join(hidden)}." if hidden else ""
     lines.append(f"{' and '.join(subjects)} checked: {what}.{more}")
     if fixable:
-        lines.append(f"{_count(fixable, 'diagnostic')} can be fixed: add --fix, or --diff first.")
+        lines.append(f"{count_of(fixable, 'diagnostic')} can be fixed: add --fix, or --diff first.")
     elif counted[Severity.INFO] and len(counted) == 1 and not verbose:
         lines.append("-v shows notes.")
     return lines
-
-
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}{'' if number == 1 else 's'}"
 
 
 def print_diff(files: Iterable[FileFix]) -> None:

@@ -122,7 +122,7 @@ def find_description(
     """What the options of a spawner say that it spawns."""
     source = next((name for name in _READERS if name in options), None)
     if source is None:
-        return _report(
+        return report_at(
             NO_DESCRIPTION_SOURCE,
             spawner,
             f"{spawner.executable} reads the robot from standard input, but launch does not "
@@ -149,7 +149,7 @@ def read_published(plan: LaunchPlan, publisher: Process) -> Description | Diagno
         return read_spawned_file(plan, publisher, publisher.arguments[0])
     if PARAMETER not in publisher.parameters:
         misspelled = nearest(PARAMETER, publisher.parameters, cutoff=SURELY)
-        return _report(
+        return report_at(
             PUBLISHER_WITHOUT_DESCRIPTION,
             publisher,
             "robot_state_publisher is not given the parameter robot_description"
@@ -193,14 +193,14 @@ def _unreadable(plan: LaunchPlan, process: Process, path: str, error: Exception)
         )
     package = known_packages.absent_package_of(path)
     if package is not None:
-        return _report(
+        return report_at(
             PACKAGE_NOT_FOUND,
             process,
             f"The file to spawn is in the package '{package}', which was not found: '{path}'.",
             f"Build {package} in this workspace, or source an installation that has it.",
         )
     reason = getattr(error, "strerror", None) or "it is not text in UTF-8"
-    return _report(
+    return report_at(
         UNREADABLE_SPAWN_FILE,
         process,
         f"The file to spawn cannot be read: '{path}': {reason}.",
@@ -272,7 +272,7 @@ def _may_publish_elsewhere(plan: LaunchPlan) -> bool:
 
 def _from_parameter(plan: LaunchPlan, spawner: Process, name: str) -> Description | Diagnostic:
     if name not in spawner.parameters:
-        return _report(
+        return report_at(
             MISSING_SPAWN_PARAMETER,
             spawner,
             f"{spawner.executable} reads the parameter '{name}', which it is not given.",
@@ -290,7 +290,7 @@ def _text(plan: LaunchPlan, process: Process, value: Any) -> Description | Diagn
         what = "is empty"
     else:
         what = f"is not the text of a robot: '{str(value)[:60]}'"
-    return _report(
+    return report_at(
         DESCRIPTION_NOT_TEXT,
         process,
         f"The robot_description {what}.",
@@ -310,7 +310,7 @@ _READERS: dict[str, Callable[[LaunchPlan, Process, str], Description | Diagnosti
 
 
 def _unknown(process: Process, value: str) -> Diagnostic:
-    return _report(
+    return report_at(
         UNKNOWN_DESCRIPTION,
         process,
         f"{process.executable} is given '{value[:60]}', which is known only where ROS 2 is "
@@ -319,6 +319,6 @@ def _unknown(process: Process, value: str) -> Diagnostic:
     )
 
 
-def _report(rule: Rule, process: Process, message: str, hint: str) -> Diagnostic:
+def report_at(rule: Rule, process: Process, message: str, hint: str) -> Diagnostic:
     """At the line of the launch file that describes the process."""
     return rule.at(process.file, process.line, process.executable, message=message, hint=hint)

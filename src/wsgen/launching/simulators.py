@@ -51,9 +51,9 @@ _WITH_VALUE = frozenset(
 
 
 def _of_gazebo(values: Mapping[str, str]) -> Simulator | None:
-    if not _is_true(values.get("server", "true")):
+    if not is_true(values.get("server", "true")):
         return None
-    return _classic(values.get("world"), is_headless=not _is_true(values.get("gui", "true")))
+    return _classic(values.get("world"), is_headless=not is_true(values.get("gui", "true")))
 
 
 def _of_gz_arguments(values: Mapping[str, str]) -> Simulator | None:
@@ -210,5 +210,6 @@ def _how_to_start(plan: LaunchPlan) -> str:
     return f"Start a simulator before it, or include {which}."
 
 
-def _is_true(text: str) -> bool:
+def is_true(text: str) -> bool:
+    """Whether a launch file of Gazebo takes the value of an argument for true."""
     return text.strip().lower() in {"true", "1"}

@@ -27,6 +27,7 @@ from wsgen.launching.descriptions import (
     published_descriptions,
     read_published,
     read_spawned_file,
+    report_at,
 )
 from wsgen.launching.explain_missing import nodes_of, or_unused_action
 from wsgen.launching.simulators import find_simulator, kind_of_project
@@ -183,7 +184,7 @@ def assume_spawn(
                 process=program,
                 is_assumed=True,
             )
-            return spawn, _report(
+            return spawn, report_at(
                 ASSUMED_SPAWNER,
                 program,
                 f"No spawner of Gazebo is started: '{program.executable}' is assumed to spawn the "
@@ -263,7 +264,7 @@ def _read_spawn(plan: LaunchPlan, program: Process) -> Found:
         return _read_service_call(plan, program, *request)
     if program.package == "gazebo_ros" and program.executable in _SPAWNERS_OF_ROS_1:
         return None, [
-            _report(
+            report_at(
                 ROS_1_SPAWNER,
                 program,
                 f"'{program.executable}' is the spawner of ROS 1.",
@@ -351,7 +352,7 @@ def _described_in_request(
     content = fields.get(SPAWNING_REQUESTS[kind]) or fields.get(_FILE_FIELD)
     if content:
         return read_spawned_file(plan, program, str(content))
-    return _report(
+    return report_at(
         INVALID_SPAWNER_OPTION,
         program,
         f"The request for {kind} has no field `{SPAWNING_REQUESTS[kind]}`."
@@ -442,7 +443,7 @@ def _is_number(text: Any) -> bool:
 
 def _invalid(program: Process, name: str, value: Any) -> Diagnostic:
     point = str(value).replace(",", ".")
-    return _report(
+    return report_at(
         INVALID_SPAWN_POSE,
         program,
         f"{name} of the spawner is '{value}', which is not a finite number.",
@@ -452,8 +453,3 @@ def _invalid(program: Process, name: str, value: Any) -> Diagnostic:
         if len(str(value).split()) > 1
         else "Give meters for -x -y -z and radians for -R -P -Y.",
     )
-
-
-def _report(rule: Rule, process: Process, message: str, hint: str) -> Diagnostic:
-    """At the line of the launch file that describes the process."""
-    return rule.at(process.file, process.line, process.executable, message=message, hint=hint)

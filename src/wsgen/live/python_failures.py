@@ -22,7 +22,7 @@ from wsgen.ros.environment.interfaces import buildable
 from wsgen.ros.names import released_packages
 from wsgen.text.files import read_whole
 from wsgen.text.markup import read_text
-from wsgen.text.pythontree import parse_anew
+from wsgen.text.pythontree import is_text, parse_anew
 from wsgen.text.suggestions import did_you_mean, nearest
 
 if TYPE_CHECKING:
@@ -267,12 +267,8 @@ def _imported(file: Path) -> Iterator[str]:
             yield from (one.name.partition(".")[0] for one in node.names)
         elif isinstance(node, ast.ImportFrom) and not node.level and node.module:
             yield node.module.partition(".")[0]
-        elif not isinstance(node, ast.ImportFrom) and not _is_text(node):
+        elif not isinstance(node, ast.ImportFrom) and not is_text(node):
             return
-
-
-def _is_text(node: ast.stmt) -> bool:
-    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
 
 
 # Of a traceback, and of a syntax error, whose line has no function.

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from wsgen.errors import EXIT_MISSING, RequestError
 from wsgen.launching import commands, known_packages
 from wsgen.launching.package_lookup import NOT_COMPILED
+from wsgen.launching.simulators import is_true
 from wsgen.live.asked_nodes import LAUNCH_NODE
 from wsgen.live.journal import OTHER, SIMULATOR, SPAWNER, STANDARD
 from wsgen.live.replacements import SPAWNERS, BuiltIn, LeftOut, find_replacement
@@ -322,10 +323,6 @@ def entities_of(include: Include) -> list[Any] | None:
     return list(read({**include.arguments, **include.configurations}))
 
 
-def _is_true(text: str) -> bool:
-    return text.strip().lower() in {"true", "1"}
-
-
 def _process(words: list[str], *, is_required: bool, name: str | None = None) -> Any:
     """A process of a command line; where it is required, its end is that of the launch."""
     from launch.actions import ExecuteProcess, Shutdown  # noqa: PLC0415  the shim's
@@ -341,16 +338,16 @@ def _node(package: str, executable: str, **keywords: Any) -> Any:
 
 
 def _gazebo(values: Mapping[str, str]) -> Iterator[Any]:
-    if _is_true(values.get("server", "true")):
+    if is_true(values.get("server", "true")):
         yield from _gzserver(values)
-    if _is_true(values.get("gui", "true")):
+    if is_true(values.get("gui", "true")):
         yield from _gzclient(values)
 
 
 def _gzserver(values: Mapping[str, str]) -> Iterator[Any]:
-    paused = ["--pause"] if _is_true(values.get("pause", "false")) else []
+    paused = ["--pause"] if is_true(values.get("pause", "false")) else []
     words = ["gzserver", values.get("world", ""), *paused, *_node_parameters(values)]
-    yield _process(words, is_required=_is_true(values.get("server_required", "false")))
+    yield _process(words, is_required=is_true(values.get("server_required", "false")))
 
 
 def _node_parameters(values: Mapping[str, str]) -> list[str]:
@@ -364,7 +361,7 @@ def _node_parameters(values: Mapping[str, str]) -> list[str]:
 
 
 def _gzclient(values: Mapping[str, str]) -> Iterator[Any]:
-    yield _process(["gzclient"], is_required=_is_true(values.get("gui_required", "false")))
+    yield _process(["gzclient"], is_required=is_true(values.get("gui_required", "false")))
 
 
 def _gz_sim(values: Mapping[str, str]) -> Iterator[Any]:
@@ -377,7 +374,7 @@ def _gz_sim(values: Mapping[str, str]) -> Iterator[Any]:
             f"{name} has a quotation mark without its other one: {text}",
             hint="Write both, or none: the shell that starts Gazebo Sim refuses it, too.",
         ) from None
-    is_required = _is_true(values.get("on_exit_shutdown", "false"))
+    is_required = is_true(values.get("on_exit_shutdown", "false"))
     yield _process(["gz", "sim", *words], is_required=is_required, name="gazebo")
 
 
@@ -397,7 +394,7 @@ def _gz_spawn_model(values: Mapping[str, str]) -> Iterator[Any]:
     parameters: dict[str, Any] = {
         parameter: values.get(argument, "") for argument, parameter in names.items()
     }
-    parameters["allow_renaming"] = _is_true(values.get("allow_renaming", "false"))
+    parameters["allow_renaming"] = is_true(values.get("allow_renaming", "false"))
     for axis in ("x", "y", "z", "R", "P", "Y"):
         parameters[axis] = _number(axis, values.get(axis) or "0.0")
     yield _node("ros_gz_sim", "create", parameters=[parameters])
@@ -420,7 +417,7 @@ def _bridge(values: Mapping[str, str]) -> Iterator[Any]:
         name=values.get("bridge_name") or None,
         namespace=values.get("namespace") or None,
         parameters=[{"config_file": values.get("config_file", "")}],
-        respawn=_is_true(values.get("use_respawn", "false")),
+        respawn=is_true(values.get("use_respawn", "false")),
     )
 
 

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from wsgen.errors import EXIT_FAILED
+from wsgen.isolation.child import set_search_path
 from wsgen.isolation.codec import decode
 from wsgen.isolation.guard import stand_guard
 from wsgen.isolation.system import take_parent_death_pipe
@@ -43,7 +44,7 @@ def main() -> int:
     begun = time.time() - CLOCK_TICK
     stand_guard(take_parent_death_pipe(), math.inf, lambda: remove_left_behind(begun))
     control = socket.socket(fileno=descriptor)
-    _set_search_path(sys.argv[3].split(os.pathsep))
+    set_search_path(sys.argv[3].split(os.pathsep))
     for stream in (sys.stdout, sys.stderr):  # what the launch file prints
         stream.reconfigure(line_buffering=True, errors="replace")  # type: ignore[union-attr]  # files
 
@@ -71,12 +72,6 @@ def main() -> int:
 
 def _read(file: Path, kind: type[Kind]) -> Kind:
     return decode(json.loads(file.read_text(encoding="utf-8")), kind)
-
-
-def _set_search_path(own: list[str]) -> None:
-    """Search modules where wsgen does, then in PYTHONPATH of the launch."""
-    overlay = os.environ.get("PYTHONPATH", "").split(os.pathsep)
-    sys.path[:] = own + [entry for entry in overlay if entry and entry not in own]
 
 
 if __name__ == "__main__":

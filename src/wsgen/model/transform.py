@@ -147,6 +147,13 @@ def multiply(left: Matrix, right: Matrix) -> Matrix:
     return transpose((columns[0], columns[1], columns[2]))
 
 
+def angle_between(first: Pose, second: Pose) -> float:
+    """By how much the one is turned as against the other, rad, from 0 to pi."""
+    turned = multiply(rotation_of_rpy(first.rpy), transpose(rotation_of_rpy(second.rpy)))
+    cosine = (turned[0][0] + turned[1][1] + turned[2][2] - 1) / 2
+    return math.acos(min(1.0, max(-1.0, cosine)))
+
+
 def compose(outer: Pose, inner: Pose) -> Pose:
     """The pose of a frame in the outer frame, when `inner` is its pose in `outer`'s frame."""
     rotation = rotation_of_rpy(outer.rpy)

@@ -19,7 +19,7 @@ from wsgen.isolation.codec import decode
 from wsgen.isolation.result import Died, Limits
 from wsgen.model.kinematics import link_poses
 from wsgen.model.target import CLASSIC, SIM, SIMULATORS
-from wsgen.model.transform import Pose, multiply, rotation_of_rpy, transpose
+from wsgen.model.transform import Pose, angle_between, multiply, rotation_of_rpy, transpose
 from wsgen.simulation.real_gazebo import GazeboResult, GazeboScene, ToSpawn, find_gazebo
 from wsgen.simulation.run import ENGINE_DIED, ENGINE_LEFT_OUT, ENGINE_REFUSED, ENGINE_WARNING
 from wsgen.simulation.scene import RobotRun
@@ -246,10 +246,10 @@ def measure(
     earlier = before.links.get(root, before.pose)
     finite = all(one.is_finite for one in (pose, earlier, *end.links.values()))
     speed = math.dist(pose.xyz, earlier.xyz) / REST_HELD  # not-a-number compares as false
-    turning = _angle(pose, earlier) / REST_HELD
+    turning = angle_between(pose, earlier) / REST_HELD
     joint_speed = max(
         (
-            abs(_angle(end.links[name], before.links[name]) / REST_HELD - turning)
+            abs(angle_between(end.links[name], before.links[name]) / REST_HELD - turning)
             for name in end.links
             if name in before.links
         ),
@@ -303,12 +303,6 @@ def _lowest(robot: PreparedRobot, poses: Mapping[str, Pose], root: Pose) -> floa
     except (OSError, UnreadError):
         lowest = {}
     return min(lowest.values(), default=root.xyz[2])
-
-
-def _angle(first: Pose, second: Pose) -> float:
-    turned = multiply(rotation_of_rpy(first.rpy), transpose(rotation_of_rpy(second.rpy)))
-    cosine = (turned[0][0] + turned[1][1] + turned[2][2] - 1) / 2
-    return math.acos(min(1.0, max(-1.0, cosine)))
 
 
 def _reports(

@@ -8,10 +8,10 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.checks.fixes.launch_files import name_of
 from wsgen.model.facts import PROGRAMS
 from wsgen.model.target import SIM
 from wsgen.porting.porter import MODEL, NAMESPACE
+from wsgen.text.pythontree import name_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence

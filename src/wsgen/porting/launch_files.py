@@ -10,7 +10,7 @@ import ast
 import re
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.checks.fixes.launch_files import RENAMED, name_of, tree_of
+from wsgen.checks.fixes.launch_files import RENAMED, tree_of
 from wsgen.checks.fixes.source import Edit
 from wsgen.checks.rules.controllers import MANAGER
 from wsgen.checks.rules.dependencies import FOR_GAZEBO_SIM
@@ -23,6 +23,7 @@ from wsgen.porting.bridges import BRIDGE_PACKAGE, STAMPER, BridgeWriter
 from wsgen.porting.ported import FilePort
 from wsgen.porting.porter import MODEL, NAMESPACE
 from wsgen.porting.python_edits import PythonEdits, argument
+from wsgen.text.pythontree import name_of
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence

@@ -6,9 +6,10 @@ import ast
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.checks.fixes.launch_files import import_edit, name_of
+from wsgen.checks.fixes.launch_files import import_edit
 from wsgen.checks.fixes.source import Edit
 from wsgen.porting.ported import Unported
+from wsgen.text.pythontree import name_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Severity
 from wsgen.reporting.check_formats import relative_name
-from wsgen.text.printable import clean
+from wsgen.text.printable import clean, count_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -57,7 +57,7 @@ def summarize_check(outcome: CheckOutcome, reported: Reported, folder: Path) -> 
     """What `wsgen check` found; paths are relative to the folder, with slashes."""
     counted = Counter(found.severity for found in reported.diagnostics)
     errors, warnings = counted[Severity.ERROR], counted[Severity.WARNING]
-    numbers = f"{_count(errors, 'error')}, {_count(warnings, 'warning')}"
+    numbers = f"{count_of(errors, 'error')}, {count_of(warnings, 'warning')}"
     lines = [f"## wsgen check: {numbers}", ""]
     rows: list[tuple[str, ...]] = []
     for package in outcome.packages:
@@ -85,10 +85,6 @@ def summarize_check(outcome: CheckOutcome, reported: Reported, folder: Path) -> 
     if hidden:
         lines += [f"Not listed: {', '.join(hidden)}.", ""]
     return "\n".join(lines) + "\n"
-
-
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}{'' if number == 1 else 's'}"
 
 
 def _numbers(diagnostics: Iterable[Diagnostic], file: Path) -> tuple[int, int]:

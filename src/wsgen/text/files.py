@@ -270,6 +270,14 @@ def read_regular_text(path: Path, limit: int = LARGEST_TEXT, *, errors: str = "s
     return read_whole(path, limit).decode("utf-8", errors).replace("\r\n", "\n")
 
 
+def read_or_empty(path: Path) -> str:
+    """Read the text; empty if the file cannot be read."""
+    try:
+        return read_regular_text(path, errors="replace")
+    except OSError:
+        return ""
+
+
 def wide_encoding(data: bytes) -> str | None:
     """Detect UTF-16 or UTF-32; None for other encodings."""
     marked = next((name for mark, name in MARKS.items() if data.startswith(mark)), None)

@@ -55,3 +55,8 @@ def escape_json(text: str) -> str:
     """A JSON document without characters that cannot be shown: they are escaped, and stay data."""
     escaped = {code: f"\\u{code:04x}" for code in _unprintable() if ord("~") < code <= LARGEST}
     return text.translate(escaped)
+
+
+def count_of(number: int, noun: str) -> str:
+    """The number with its noun, in the plural where that is due."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"

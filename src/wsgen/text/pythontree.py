@@ -27,3 +27,14 @@ def parse_anew(source: str | bytes, **options: Any) -> Any:
     """A tree of its own, with the options of `ast.parse`; raises as `parse`."""
     with _ALONE:
         return ast.parse(source, **options)
+
+
+def name_of(call: ast.Call) -> str:
+    """The name of what a call calls, without the module before it."""
+    function = call.func
+    return function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
+
+
+def is_text(node: ast.stmt) -> bool:
+    """Whether a statement is a text alone, as docstrings are."""
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)

@@ -555,3 +555,11 @@ def test_a_lidar_takes_no_robot_for_one_that_is_gone() -> None:
         assert reflections.intensities(host, *rays, is_gpu=False).tolist() == [retro]
         host.robots.clear()
         del robot
+
+
+def test_the_node_of_a_plugin_ends_with_its_robot() -> None:
+    lidar = mounted(LASER.format(SCAN))
+    for simulation, ros in simulated(lidar):
+        assert [node.name for node in ros.nodes] == ["scanner"]
+        simulation.delete("rover")
+        assert not ros.nodes

@@ -9,6 +9,7 @@ import warnings
 from typing import TYPE_CHECKING, TypeVar
 
 from wsgen.checks.fixes.source import Edit, is_surely, read_tags
+from wsgen.text.pythontree import is_text, name_of
 from wsgen.text.suggestions import suggested
 
 if TYPE_CHECKING:
@@ -71,12 +72,6 @@ def tree_of(source: SourceText) -> Tree | None:
         return None
 
 
-def name_of(call: ast.Call) -> str:
-    """The name of what a call calls, without the module before it."""
-    function = call.func
-    return function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
-
-
 def import_edit(tree: Tree, statement: str) -> list[Edit]:
     """Add an import behind those that there are; nothing if the name is imported already."""
     name = statement.rpartition(" ")[2]
@@ -91,17 +86,13 @@ def import_edit(tree: Tree, statement: str) -> list[Edit]:
         last = max(same or tops, key=lambda one: one.lineno)
         place = tree.end(last)
         return [Edit(start=place, end=place, text=f"{newline}{statement}")]
-    body = [one for one in tree.module.body if not _is_docstring(one)]
+    body = [one for one in tree.module.body if not is_text(one)]
     place = source.start_of(body[0].lineno) if body else len(source.text)
     return [Edit(start=place, end=place, text=f"{statement}{newline}")]
 
 
 def _module(node: ast.Import | ast.ImportFrom) -> str:
     return (node.module or "") if isinstance(node, ast.ImportFrom) else node.names[0].name
-
-
-def _is_docstring(node: ast.stmt) -> bool:
-    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
 
 
 def keep_description_as_text(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:

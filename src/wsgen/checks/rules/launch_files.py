@@ -20,6 +20,7 @@ from wsgen.launching.spawner_options import SPAWNER_PROGRAMS
 from wsgen.model.target import CLASSIC, SIM, SIMULATORS
 from wsgen.text import yamlfile
 from wsgen.text.markup import read_text, without_comments
+from wsgen.text.pythontree import name_of
 from wsgen.text.suggestions import advice, some_of
 from wsgen.text.values import lazy_pattern
 
@@ -232,7 +233,7 @@ def unused_declared_arguments(plan: LaunchPlan) -> Iterator[Diagnostic]:
 
 def _declared(node: Any) -> str | None:
     """The name of the argument that a call declares."""
-    if not isinstance(node, ast.Call) or _called(node) != "DeclareLaunchArgument":
+    if not isinstance(node, ast.Call) or name_of(node) != "DeclareLaunchArgument":
         return None
     names = [*node.args[:1], *(one.value for one in node.keywords if one.arg == "name")]
     written = [one.value for one in names if isinstance(one, ast.Constant)]
@@ -244,16 +245,11 @@ def _reads_computed_names(file: Path) -> bool:
     for node in nodes_of(file):
         if isinstance(node, ast.Attribute) and node.attr == "launch_configurations":
             return True
-        if isinstance(node, ast.Call) and _called(node) == "LaunchConfiguration":
+        if isinstance(node, ast.Call) and name_of(node) == "LaunchConfiguration":
             names = [*node.args[:1], *(one.value for one in node.keywords)]
             if not names or not isinstance(names[0], ast.Constant):
                 return True
     return False
-
-
-def _called(node: ast.Call) -> str:
-    function = node.func
-    return function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
 
 
 def _count(name: str, texts: Sequence[str]) -> int:

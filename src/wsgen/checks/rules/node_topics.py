@@ -377,7 +377,7 @@ def _of_sensor(sensor: Element, names: dict[str, str | None]) -> Iterator[Gazebo
     written = _in_child(sensor, kind, "topic") if kind == "contact" else None
     written = written or child_text(sensor, "topic")
     if written:
-        base = _absolute(written)
+        base = absolute(written)
     else:
         place = _place_of(sensor)
         default = f"/world/{{world}}/model/{{model}}/{place}/sensor/{name}{of_sensor.default}"
@@ -391,7 +391,7 @@ def _of_sensor(sensor: Element, names: dict[str, str | None]) -> Iterator[Gazebo
         info = _in_child(sensor, "camera", "camera_info_topic")
         beside = f"{base.rpartition('/')[0]}/camera_info"
         yield GazeboTopic(
-            _absolute(info) if info else beside, "CameraInfo", is_published=True, owner=owner
+            absolute(info) if info else beside, "CameraInfo", is_published=True, owner=owner
         )
 
 
@@ -411,10 +411,6 @@ def _place_of(sensor: Element) -> str | None:
         if place.tag == "gazebo":
             return None
     return None
-
-
-def _absolute(topic: str) -> str:
-    return topic if topic.startswith("/") else f"/{topic}"
 
 
 def _filled(default: str, names: dict[str, str | None]) -> str | None:

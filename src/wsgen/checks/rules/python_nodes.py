@@ -16,6 +16,7 @@ from wsgen.packages.imported_packages import (
 )
 from wsgen.packages.workspace.python_nodes import KINDS, PARAMETERS, arguments_of
 from wsgen.ros.environment.interfaces import common_packages, fields_of
+from wsgen.text.pythontree import is_text
 from wsgen.text.suggestions import advice, ask_for_nearest, did_you_mean, nearest, suggested
 from wsgen.text.values import lazy_pattern
 
@@ -537,7 +538,7 @@ def idle_program(node: NodeFile) -> Iterator[Diagnostic]:
     mains = [
         one for one in node.tree.body if isinstance(one, ast.FunctionDef) and one.name == "main"
     ]
-    if mains and all(isinstance(one, _IDLE) or _is_text_alone(one) for one in node.tree.body):
+    if mains and all(isinstance(one, _IDLE) or is_text(one) for one in node.tree.body):
         yield IDLE_PROGRAM.at(
             node.file,
             mains[0].lineno,
@@ -589,10 +590,6 @@ _IDLE = (
     *(ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Import, ast.ImportFrom),
     *(ast.Assign, ast.AnnAssign),
 )
-
-
-def _is_text_alone(node: ast.stmt) -> bool:
-    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
 
 
 def unknown_fields(node: NodeFile) -> Iterator[Diagnostic]:

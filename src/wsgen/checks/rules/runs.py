@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.engines import GAZEBO, RESULT_NAMES, name_engines
 from wsgen.model.robot import JointType
-from wsgen.model.transform import multiply, rotation_of_rpy, transpose
+from wsgen.model.transform import angle_between
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -875,7 +875,7 @@ def _differences(first: RobotRun, second: RobotRun) -> Iterator[_Difference]:
     if apart > SAME_PLACE:
         place = " and ".join(_apart(first.rest_pose, second.rest_pose))
         yield _Difference(apart / SAME_PLACE, f"rests {place}")
-    angle = _angle(first.rest_pose, second.rest_pose)
+    angle = angle_between(first.rest_pose, second.rest_pose)
     if angle > SAME_HEADING:
         words = f"is turned by {math.degrees(angle):.1f} degrees"
         if abs(second.tilt - first.tilt) > SAME_HEADING:
@@ -909,12 +909,6 @@ def _apart(first: Pose, second: Pose) -> Iterator[str]:
 
 def _length(meters: float) -> str:
     return f"{meters * 1000:.0f} mm" if meters < 1 else f"{meters:.2f} m"
-
-
-def _angle(first: Pose, second: Pose) -> float:
-    turned = multiply(rotation_of_rpy(first.rpy), transpose(rotation_of_rpy(second.rpy)))
-    cosine = (turned[0][0] + turned[1][1] + turned[2][2] - 1) / 2
-    return math.acos(min(1.0, max(-1.0, cosine)))
 
 
 # Checked in `behaviors.py`, which is loaded where a package has some.

@@ -26,7 +26,7 @@ from wsgen.packages.build_files.cmake_checks import (
 )
 from wsgen.packages.build_files.cmake_install import relative_destination
 from wsgen.packages.build_files.cmake_values import BUILD, UNKNOWN, is_known
-from wsgen.packages.build_files.install_checks import check_installed
+from wsgen.packages.build_files.install_checks import base_of, check_installed
 from wsgen.packages.source_shares import INDEX
 from wsgen.text.values import dataclass
 
@@ -156,11 +156,11 @@ class Installed:
                 if rule.kind == "DIRECTORY":
                     self.is_whole = False
                 else:
-                    self._add(rule, None, _join(place, rule.rename or _base(path)), argument.line)
+                    self._add(rule, None, _join(place, rule.rename or base_of(path)), argument.line)
             elif rule.kind == "DIRECTORY":
                 self._add_folder(rule, path, place, argument.line)
             elif os.path.lexists(path):
-                self._add(rule, path, _join(place, rule.rename or _base(path)), argument.line)
+                self._add(rule, path, _join(place, rule.rename or base_of(path)), argument.line)
 
     def _add(self, rule: InstallRule, source: str | None, destination: str, line: int) -> None:
         path = None if source is None else Path(os.path.normpath(source))
@@ -262,10 +262,6 @@ def _test(kind: str, text: str) -> Callable[[str], bool | None]:
 
 def _join(folder: str, name: str) -> str:
     return f"{folder}/{name}" if folder and name else folder or name
-
-
-def _base(path: str) -> str:
-    return os.path.basename(path.rstrip("/"))
 
 
 def _can_run(rule: InstallRule, path: Path | None) -> bool:

@@ -362,10 +362,10 @@ def slashes(rule: InstallRule, package: str) -> Iterator[Diagnostic]:
     if place is None or rule.patterns:
         return
     with_slash = [
-        name for name, path in rule.names if path.endswith("/") and _base(path) in RESOURCES
+        name for name, path in rule.names if path.endswith("/") and base_of(path) in RESOURCES
     ]
     if place == f"share/{package}" and with_slash and len(rule.names) > 1:
-        names = [_base(one.text) for one in with_slash]
+        names = [base_of(one.text) for one in with_slash]
         yield CONTENTS_INSTALLED.at(
             rule.file,
             with_slash[0].line,
@@ -375,7 +375,7 @@ def slashes(rule: InstallRule, package: str) -> Iterator[Diagnostic]:
             hint=f"Remove the slash at the end: {' '.join(names)}",
         )
     for name, path in rule.names:
-        base = _base(path)
+        base = base_of(path)
         if (
             base in RESOURCES
             and not path.endswith("/")
@@ -391,7 +391,8 @@ def slashes(rule: InstallRule, package: str) -> Iterator[Diagnostic]:
             )
 
 
-def _base(path: str) -> str:
+def base_of(path: str) -> str:
+    """The last part of a path, which may end with a slash."""
     return os.path.basename(path.rstrip("/"))
 
 
@@ -800,7 +801,7 @@ def not_executable(rules: Iterable[InstallRule], package: str) -> Iterator[Diagn
             if found:
                 files = [_below(file, rule.file) for file in found]
                 why = (
-                    f"into lib/{package}/{_base(path)}; `ros2 run` looks in lib/{package}"
+                    f"into lib/{package}/{base_of(path)}; `ros2 run` looks in lib/{package}"
                     if is_below
                     else "without execute permission, so that `ros2 run` does not find it"
                 )

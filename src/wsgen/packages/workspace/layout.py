@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Diagnostic
 from wsgen.errors import NotFoundError, RequestError
 from wsgen.packages.workspace.manifest import FOREIGN_MANIFEST, read_manifest
-from wsgen.text.files import list_files, read_regular, read_regular_text, real_path
+from wsgen.text.files import list_files, read_or_empty, read_regular, read_regular_text, real_path
 from wsgen.text.values import dataclass, lazy_pattern
 
 if TYPE_CHECKING:
@@ -542,16 +542,8 @@ def spawned_entities(workspace: Workspace) -> frozenset[str]:
         name
         for package in find_packages(workspace)
         for file in sorted(package.path.glob("launch/*.py"))
-        for name in NAMED.findall(_read(file))
+        for name in NAMED.findall(read_or_empty(file))
     )
-
-
-def _read(file: Path) -> str:
-    """Read the text; empty if the file cannot be read."""
-    try:
-        return read_regular_text(file, errors="replace")
-    except OSError:
-        return ""
 
 
 # As tried: with `$`, `:` and the backquote the build passes, but sourcing the install space does

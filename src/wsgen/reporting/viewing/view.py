@@ -23,6 +23,7 @@ from wsgen.pipeline.file_validation import UNUSABLE_FILE
 from wsgen.rendering.surfaces import forget_surfaces
 from wsgen.reporting.viewing import INSTALL, LIBRARY, is_viewer_installed
 from wsgen.reporting.viewing.drawing import draw
+from wsgen.text.printable import count_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -359,18 +360,18 @@ def summary(
         mass = sum(link.mass or 0.0 for link in robot.links)
         joints = len(robot.robot.movable_joints)
         lines.append(
-            f"{plain(robot.entity)}: {mass:.4g} kg, {_count(len(robot.links), 'link')}, "
-            f"{_count(joints, 'movable joint')}"
+            f"{plain(robot.entity)}: {mass:.4g} kg, {count_of(len(robot.links), 'link')}, "
+            f"{count_of(joints, 'movable joint')}"
         )
     if len(subjects) > MOST_ROBOTS:
         lines.append(f"and {len(subjects) - MOST_ROBOTS} more robots")
     models = len(robots) - len(subjects)
     if models:
-        lines.append(_count(models, "model") + " of the world")
+        lines.append(count_of(models, "model") + " of the world")
     counts = Counter(found.severity for found in diagnostics)
     if counts:
         parts = (
-            _count(counts[severity], PLURALS[severity][:-1])
+            count_of(counts[severity], PLURALS[severity][:-1])
             for severity in COLORS
             if counts[severity]
         )
@@ -381,10 +382,6 @@ def summary(
 
 
 MOST_ROBOTS = 5  # that are named
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def plain(text: str) -> str:

@@ -98,26 +98,27 @@ class Host:
             self._stamp = self.now, self.ros.time(self.now)
         return self._stamp[1]
 
-    def node(self, namespace: str = "", name: str | None = None, ros: Element | None = None) -> Any:
-        """A node of a plugin.
+    def node(self, robot: RobotHandle | None, plugin: Element) -> Any:
+        """The node of a plugin of Gazebo Classic, until its robot leaves the world.
 
-        Args:
-            namespace: Where `ros` gives none.
-            name: The `name` of the <plugin>; "gazebo" without it.
-            ros: The <ros> of a plugin of Gazebo Classic: namespace, remappings, parameters, QoS, as
-                `gazebo_ros::Node::Get` reads them (gazebo_ros_pkgs, gazebo_ros/src/node.cpp).
+        Its <ros> has a namespace, remappings, parameters and QoS, which are read as
+        `gazebo_ros::Node::Get` does (gazebo_ros_pkgs, gazebo_ros/src/node.cpp).
         """
+        ros, namespace = plugin.find("ros"), ""
         arguments: list[str] = []
         if ros is not None:
-            namespace = ros.get("namespace", namespace)
+            namespace = ros.get("namespace")
             for kind in REMAPPINGS:
                 for rule in ros.find_all(kind):
                     arguments += ["-r", rule.text] if ":=" in rule.text else []
             for parameter in ros.find_all("parameter"):
                 arguments += ["-p", f"{parameter.attributes.get('name', '')}:={parameter.text}"]
         made = self.ros.node(
-            node_name(name or "gazebo"), "" if namespace == "/" else namespace, arguments
+            node_name(plugin.attributes.get("name") or "gazebo"),
+            "" if namespace == "/" else namespace,
+            arguments,
         )
+        self._keep(robot, lambda: self.ros.forget_node(made))
         self._described.pop(id(made), None)  # of a node that has ended
         if ros is not None and ros.find("qos") is not None:
             self._described[id(made)] = ros

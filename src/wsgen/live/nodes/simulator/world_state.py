@@ -128,7 +128,7 @@ class WorldState(Plugin):
         self._host = host
         rate = number(element, "update_rate")
         self.period = 1 / rate if rate > 0 else host.step_seconds
-        self._node = host.node(name=element.attributes.get("name"), ros=element.find("ros"))
+        self._node = host.node(None, element)
         host.service(None, GetEntityState, "get_entity_state", self._get, node=self._node)
         host.service(None, SetEntityState, "set_entity_state", self._set, node=self._node)
         topics, node = topics_of(host, None, element), self._node
@@ -223,10 +223,6 @@ class WorldState(Plugin):
         move(robot, pose)
         robot.set_velocity(linear, angular)
         return response
-
-    def close(self) -> None:
-        """End its node."""
-        self._host.ros.forget_node(self._node)
 
 
 def _find(host: Host, name: str) -> Moving | None:

@@ -291,7 +291,7 @@ class ClassicAckermann(Plugin):
         self._measure()
         rate = number(element, "update_rate")
         self._every = Timer(1 / rate if rate > 0 else 0.0, host.now)
-        self._node = host.node(name=element.attributes.get("name"), ros=element.find("ros"))
+        self._node = host.node(robot, element)
         self._open(element)
         self._place = robot.state().xyz
         self._updated = host.now
@@ -403,10 +403,6 @@ class ClassicAckermann(Plugin):
         self._every.reset(self._host.now)
         for pid in self._pids.values():
             pid.reset()
-
-    def close(self) -> None:
-        """End its node."""
-        self._host.ros.forget_node(self._node)
 
 
 def _joint(robot: RobotHandle, name: str) -> Joint:

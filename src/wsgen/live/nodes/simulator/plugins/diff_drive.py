@@ -52,7 +52,7 @@ class ClassicDiffDrive(Plugin):
         self._joints = {joint.name: joint for joint in robot.robot.movable_joints}
         rate = number(element, "update_rate")
         self.period = 1 / rate if rate > 0 else host.step_seconds
-        self._node = host.node(name=element.attributes.get("name"), ros=element.find("ros"))
+        self._node = host.node(robot, element)
         self._linear = self._angular = 0.0  # as commanded
         self._instructed = dict.fromkeys(
             (name for pair in self._pairs for name in (pair.left, pair.right)), 0.0
@@ -122,10 +122,6 @@ class ClassicDiffDrive(Plugin):
         self._last = self._host.now
         self._encoder.reset()
         self._slip.reset()
-
-    def close(self) -> None:
-        """End its node."""
-        self._host.ros.forget_node(self._node)
 
 
 def _read(kind: str, robot: RobotHandle, element: Element) -> DiffDrive:

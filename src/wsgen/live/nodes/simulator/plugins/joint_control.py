@@ -258,7 +258,7 @@ class ClassicPoseTrajectory(Plugin):
         self._host, self._robot = host, robot
         rate = number(element, "update_rate")
         self.period = 1 / rate if rate > 0 else host.step_seconds
-        self._node = host.node(name=element.attributes.get("name"), ros=element.find("ros"))
+        self._node = host.node(robot, element)
         topic = topics_of(host, robot, element)["command"]
         host.subscription(robot, JointTrajectory, topic, self._take, node=self._node, depth=1)
         self.reset()
@@ -308,10 +308,6 @@ class ClassicPoseTrajectory(Plugin):
             point = self._points.pop(0)
             self._robot.set_joint_positions(dict(zip(self._names, point.positions, strict=True)))
             self._next += _seconds(point)
-
-    def close(self) -> None:
-        """End its node."""
-        self._host.ros.forget_node(self._node)
 
 
 def _named_joints(host: Host, robot: RobotHandle, element: Element) -> list[str]:

@@ -84,13 +84,9 @@ class ClassicJointStates(_JointStates):
             raise CannotWorkError("it does not name a joint of the robot. Write <joint_name>s.")
         rate = number(element, "update_rate")
         self.period = 1 / rate if rate > 0 else host.step_seconds
-        self._node = host.node(name=element.attributes.get("name"), ros=element.find("ros"))
+        self._node = host.node(robot, element)
         topic = topics_of(host, robot, element)["states"]
         self._publisher = host.publisher(robot, JointState, topic, node=self._node, depth=1000)
-
-    def close(self) -> None:
-        """End its node."""
-        self._host.ros.forget_node(self._node)
 
 
 class GzJointStates(_JointStates):
@@ -139,7 +135,7 @@ class ClassicForceTorque(Plugin):
         self.period = 1 / rate if rate > 0 else None
         self._deviation = number(element, "gaussian_noise")
         self._random = random.Random(f"{robot.entity}/{name}")  # noqa: S311  it is no secret
-        self._node = host.node(name=element.attributes.get("name"), ros=element.find("ros"))
+        self._node = host.node(robot, element)
         topic = topics_of(host, robot, element)["wrench"]
         self._publisher = host.publisher(robot, WrenchStamped, topic, node=self._node, depth=1)
         self._message = WrenchStamped()
@@ -166,7 +162,3 @@ class ClassicForceTorque(Plugin):
 
     def reset(self) -> None:
         """Nothing: what was measured before does not matter."""
-
-    def close(self) -> None:
-        """End its node."""
-        self._host.ros.forget_node(self._node)

@@ -171,7 +171,7 @@ class GroundTruth(Plugin):
             self._reference = None
         self._offset = _offset(element, "offset", "offsets")
         self._noise = _Noise(number(element, "gaussian_noise"), robot.entity)
-        self._node = host.node(name=element.attributes.get("name"), ros=element.find("ros"))
+        self._node = host.node(robot, element)
         topic = topics_of(host, robot, element)["odometry"]
         self._publisher = host.publisher(robot, Odometry, topic, node=self._node, depth=5)
         self._message = Odometry(child_frame_id=self._link)
@@ -201,10 +201,6 @@ class GroundTruth(Plugin):
         set_pose(message.pose.pose, (x, y, z), quaternion_of_rpy(rpy_of_rotation(turned)))
         set_twist(message.twist.twist, self._noise.on(linear), self._noise.on(angular))
         self._publisher.publish(message)
-
-    def close(self) -> None:
-        """End its node."""
-        self._host.ros.forget_node(self._node)
 
 
 class PosePublisher(Plugin):

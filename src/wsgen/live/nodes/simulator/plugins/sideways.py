@@ -54,7 +54,7 @@ class PlanarMove(Plugin):
         self._is_silent = rate > 0 and publish_rate == 0
         every = 1 / publish_rate if rate > 0 and publish_rate > 0 else host.step_seconds
         self._publishing = Timer(every, host.now)
-        self._node = host.node(name=element.attributes.get("name"), ros=element.find("ros"))
+        self._node = host.node(robot, element)
         self._command = (0.0, 0.0, 0.0)  # m/s, m/s, rad/s
         topics = topics_of(host, robot, element)
         host.subscription(robot, Twist, topics["command"], self._take, node=self._node, depth=1)
@@ -83,10 +83,6 @@ class PlanarMove(Plugin):
         self._command = (0.0, 0.0, 0.0)
         for timer in (self._control, self._publishing):
             timer.reset(self._host.now)
-
-    def close(self) -> None:
-        """End its node."""
-        self._host.ros.forget_node(self._node)
 
 
 class VelocityControl(Plugin):

@@ -156,7 +156,7 @@ class Sensor(Plugin):
 
     def classic_node(self, plugin: Element) -> Any:
         """The node of a plugin of Gazebo Classic."""
-        return self.host.node(name=plugin.attributes.get("name"), ros=plugin.find("ros"))
+        return self.host.node(self.robot, plugin)
 
     def of(self, *names: str) -> Element:
         """The element that describes this kind of sensor.
