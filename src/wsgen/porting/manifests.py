@@ -51,7 +51,7 @@ _CODE_LIMIT = 2**20  # bytes
 _SEARCHED = '<gazebo_ros gazebo_model_path="${prefix}/.."/>'
 
 
-class _Declared(NamedTuple):
+class Declared(NamedTuple):
     """A dependency as it is written, and what it becomes."""
 
     tag: Tag
@@ -100,13 +100,13 @@ def port_manifest(
     if root is None or root.end is None:
         return FilePort()
     declared = [
-        _Declared(tag, name, _successor(name, target, workspace, source.file.parent))
+        Declared(tag, name, _successor(name, target, workspace, source.file.parent))
         for tag in top
         if tag.name.endswith("depend") and tag.end is not None and (name := text_of(source, tag))
         if "condition" not in tag.attributes
         or holds(tag.attributes["condition"].text, target.distro)
     ]
-    edits, gone = _renamed(source, declared)
+    edits, gone = rename_dependencies(source, declared)
     kept = {one.becomes for one in declared if one.tag.name in RUN_TAGS}
     own = next((text_of(source, tag) for tag in top if tag.name == "name"), "")
     missing = sorted(
@@ -134,7 +134,9 @@ def _successor(name: str, target: Target, workspace: Collection[str], folder: Pa
     return instead if not instead or target.distro in released.get(instead, ()) else name
 
 
-def _renamed(source: SourceText, declared: list[_Declared]) -> tuple[list[Edit], list[Tag]]:
+def rename_dependencies(
+    source: SourceText, declared: list[Declared]
+) -> tuple[list[Edit], list[Tag]]:
     """Write the new names, each once with a tag; return the elements that go, too."""
     edits: list[Edit] = []
     gone: list[Tag] = []
@@ -180,7 +182,7 @@ def _searched(source: SourceText, top: list[Tag]) -> list[Edit]:
 
 
 def _unported(
-    source: SourceText, declared: list[_Declared], target: Target, workspace: Collection[str]
+    source: SourceText, declared: list[Declared], target: Target, workspace: Collection[str]
 ) -> Iterator[Unported]:
     """What stays and is not released for the target, and what is for Gazebo Classic alone."""
     released, keys = released_packages(), rosdep_keys()
