@@ -195,6 +195,17 @@ def test_an_argument_that_is_declared_in_vain_has_a_default() -> None:
     assert "IfElseSubstitution(LaunchConfiguration('gui'), " in after
 
 
+def test_a_spawner_that_nothing_starts_needs_no_bridge() -> None:
+    after, port = ported(
+        "spawn = Node(package='gazebo_ros', executable='spawn_entity.py', arguments=[])\n"
+        "ld = LaunchDescription([])\n",
+        rows={1: [SCAN]},
+    )
+    assert "executable='create'" in after
+    assert "bridge" not in after
+    assert not port.unported
+
+
 def test_programs_of_fortress_are_renamed() -> None:
     after, _ = ported("""\
         Node(package='ros_ign_bridge', executable='parameter_bridge')

@@ -176,7 +176,10 @@ class _Port(PythonEdits):
         servers = [*self._includes(), *self._commands()]
         spawners = [*self._spawners()]
         self._pass_worlds()
-        self._bridges(servers, spawners)
+        started = [
+            [one for one in ones if not self._is_in_vain(one)] for ones in (servers, spawners)
+        ]
+        self._bridges(*started)
         self._controllers(is_simulated=bool(servers or spawners))
         self._names()
         self._rest()
@@ -242,13 +245,16 @@ class _Port(PythonEdits):
 
     def _if_not_given(self, name: str) -> str:
         """The default of a launch argument that is declared in vain, for lack of an action."""
-        parent = self.parents.get(self.declared[name])
-        names = {self.written(one) for one in getattr(parent, "targets", ())}
-        loaded = (one.id for one in self.tree.all(ast.Name) if isinstance(one.ctx, ast.Load))
-        if not names or not names.isdisjoint(loaded):
+        if not self._is_in_vain(self.declared[name]):
             return ""
         default = self._default_world() if name == "world" else self.quoted(str(ON[name]).lower())
         return f", default={default}"
+
+    def _is_in_vain(self, call: ast.Call) -> bool:
+        """Whether an action is given a name that nothing uses."""
+        names = {self.written(one) for one in getattr(self.parents.get(call), "targets", ())}
+        loaded = (one.id for one in self.tree.all(ast.Name) if isinstance(one.ctx, ast.Load))
+        return bool(names) and names.isdisjoint(loaded)
 
     def _replace_entries(self, entries: Mapping[str, Entry], lines: Sequence[str]) -> None:
         """Write new entries in place of the most telling one; the others go."""
