@@ -78,6 +78,11 @@ def normalize_to_list_of_substitutions(subs: SomeSubstitutionsType) -> list[Subs
     return [_normalize(item) for item in items]
 
 
+def normalize_optional(subs: SomeSubstitutionsType | None) -> list[Substitution] | None:
+    """Likewise; None stays None."""
+    return None if subs is None else normalize_to_list_of_substitutions(subs)
+
+
 def _normalize(item: Any) -> Substitution:
     if isinstance(item, Substitution):
         return item

@@ -18,6 +18,7 @@ from launch._finder import show_public_names
 from launch._utilities import (
     BEFORE_JAZZY,
     ensure_argument_type,
+    normalize_optional,
     normalize_to_list_of_substitutions,
     normalize_typed_substitution,
     perform_substitutions,
@@ -90,90 +91,73 @@ class DeclareLaunchArgument(Action):
         **kwargs: Any,
     ) -> None:
         super().__init__(**kwargs)
-        self.__name = name
+        self.name = name
         self.__description = description
-        self.__default_value = (
-            None if default_value is None else normalize_to_list_of_substitutions(default_value)
-        )
+        self.default_value = normalize_optional(default_value)
         if hasattr(choices, "wsgen_is_unknown"):
             choices = None
-        self.__choices: Sequence[str] | None
+        self.choices: Sequence[str] | None
         if choices is None or isinstance(choices, str):
-            self.__choices = choices  # of a text, launch accepts every part, as `in` does
+            self.choices = choices  # of a text, launch accepts every part, as `in` does
         else:
-            self.__choices = list(choices)
-        if self.__choices is not None:
-            if not self.__choices:
+            self.choices = list(choices)
+        if self.choices is not None:
+            if not self.choices:
                 raise ValueError("Provided choices arg is empty.")
-            default = _literal(self.__default_value)
+            default = _literal(self.default_value)
             if default is not None and not self._allows(default):
                 raise ValueError(
                     f'Provided default_value "{default}" is not in provided choices '
-                    f'"{self.__choices}".'
+                    f'"{self.choices}".'
                 )
         self.conditionally_included = False
         RECORD.argument_use.declared[name] = None
 
     @property
-    def name(self) -> str:
-        """Its name."""
-        return self.__name
-
-    @property
-    def default_value(self) -> list[Substitution] | None:
-        """What it is where nothing is given."""
-        return self.__default_value
-
-    @property
-    def choices(self) -> Sequence[str] | None:
-        """The only values that are allowed."""
-        return self.__choices
-
-    @property
     def description(self) -> str:
         """What it is for, with its choices."""
-        if self.__choices is None:
+        if self.choices is None:
             return "no description given" if self.__description is None else self.__description
         if self.__description is None:
-            return f"One of: {self.__choices}"
-        return f"{self.__description.rstrip('.')}. Valid choices are: {self.__choices}"
+            return f"One of: {self.choices}"
+        return f"{self.__description.rstrip('.')}. Valid choices are: {self.choices}"
 
     def execute(self, context: LaunchContext) -> None:
         """Set the configuration if it is not set."""
         configurations = context.launch_configurations
-        if self.__name not in configurations:
-            if self.__default_value is None:
+        if self.name not in configurations:
+            if self.default_value is None:
                 raise RuntimeError(
-                    f"Required launch argument '{self.__name}' (description: "
+                    f"Required launch argument '{self.name}' (description: "
                     f"'{self.description}') was not provided"
                 )
-            value = perform_substitutions(context, self.__default_value)
-            configurations.set(self.__name, value, DEFAULT, self.wsgen_location)
+            value = perform_substitutions(context, self.default_value)
+            configurations.set(self.name, value, DEFAULT, self.wsgen_location)
             self._note(value, value, configurations)
         else:
-            value = configurations[self.__name]
-            self._note(_words(self.__default_value), value, configurations)
+            value = configurations[self.name]
+            self._note(_words(self.default_value), value, configurations)
         if not self._allows(value):
             raise RuntimeError(
-                f'Argument "{self.__name}" provided value "{value}" is not valid. '
-                f"Valid options are: {self.__choices}"
+                f'Argument "{self.name}" provided value "{value}" is not valid. '
+                f"Valid options are: {self.choices}"
             )
 
     def _allows(self, value: str) -> bool:
-        choices = self.__choices
+        choices = self.choices
         return choices is None or value in choices or any(map(RECORD.is_unknown, [value, *choices]))
 
     def wsgen_give_up(self, context: LaunchContext) -> None:
         """Set the configuration to what is unknown."""
-        _set_unknown(context, self.__name, self.wsgen_location)
+        _set_unknown(context, self.name, self.wsgen_location)
 
     def _note(self, default: str | None, value: Any, configurations: _Configurations) -> None:
         if self.wsgen_location is not None:  # not those of the ROS package shims
-            setter, place = configurations.setters.get(self.__name, (LAUNCH_FILE, None))
+            setter, place = configurations.setters.get(self.name, (LAUNCH_FILE, None))
             RECORD.arguments.setdefault(
-                self.__name,
+                self.name,
                 LaunchArgument(
-                    name=str(self.__name),
+                    name=str(self.name),
                     default=default,
                     value=str(value),
                     description="" if self.__description is None else str(self.__description),
@@ -224,19 +208,14 @@ class EmitEvent(Action):
         super().__init__(**kwargs)
         if not isinstance(event, Event):
             raise TypeError(f"EmitEvent() expected an event instance, got '{event}'")
-        self.__event = event
-
-    @property
-    def event(self) -> Event:
-        """The event."""
-        return self.__event
+        self.event = event
 
     def execute(self, context: LaunchContext) -> None:
         """Let it happen."""
-        if isinstance(self.__event, ShutdownEvent):
-            context.shut_down(self.__event)
+        if isinstance(self.event, ShutdownEvent):
+            context.shut_down(self.event)
         else:
-            context.emit_event_sync(self.__event)
+            context.emit_event_sync(self.event)
 
 
 # How a process is run, which decides nothing about what is run: a plan does not look at it.
@@ -377,9 +356,9 @@ class ExecuteProcess(ExecuteLocal):
     ) -> None:
         super().__init__(**kwargs)
         self.cmd = [normalize_to_list_of_substitutions(word) for word in cmd]
-        self.__prefix = None if prefix is None else normalize_to_list_of_substitutions(prefix)
-        self.__name = None if name is None else normalize_to_list_of_substitutions(name)
-        self.__cwd = None if cwd is None else normalize_to_list_of_substitutions(cwd)
+        self.__prefix = normalize_optional(prefix)
+        self.__name = normalize_optional(name)
+        self.__cwd = normalize_optional(cwd)
         self.__replaces_environment = env is not None
         self.__environment = _variables({**(env or {}), **(additional_env or {})})
 
@@ -682,33 +661,23 @@ class IncludeLaunchDescription(Action):
             from launch.launch_description_sources import AnyLaunchDescriptionSource
 
             launch_description_source = AnyLaunchDescriptionSource(launch_description_source)
-        self.__source = launch_description_source
+        self.launch_description_source = launch_description_source
         self.__is_mapping = isinstance(launch_arguments, Mapping)
-        self.__launch_arguments = () if launch_arguments is None else tuple(launch_arguments)
-
-    @property
-    def launch_description_source(self) -> LaunchDescriptionSource:
-        """Where the description comes from."""
-        return self.__source
-
-    @property
-    def launch_arguments(self) -> tuple[tuple[Any, Any], ...]:
-        """Names and values."""
-        return self.__launch_arguments
+        self.launch_arguments = () if launch_arguments is None else tuple(launch_arguments)
 
     def describe(self) -> str:
         """Itself in words."""
-        return f"IncludeLaunchDescription({self.__source.location})"
+        return f"IncludeLaunchDescription({self.launch_description_source.location})"
 
     def get_sub_entities(self) -> list[LaunchDescriptionEntity]:
         """The description, where it can be known before the launch."""
-        description = self.__source.try_get_launch_description_without_context()
+        description = self.launch_description_source.try_get_launch_description_without_context()
         return [] if description is None else [description]
 
     def execute(self, context: LaunchContext) -> Iterable[LaunchDescriptionEntity]:
         """Load the description and give it, with the arguments before it."""
-        description = self.__source.get_launch_description(context)
-        file = self.__source.location
+        description = self.launch_description_source.get_launch_description(context)
+        file = self.launch_description_source.location
         if not RECORD.is_unknown(file):
             file = os.path.abspath(file)
         context.extend_locals(
@@ -721,7 +690,7 @@ class IncludeLaunchDescription(Action):
         location = self.wsgen_location
         is_include = location is not None
         try:
-            names = [_text(context, name) for name, _ in self.__launch_arguments]
+            names = [_text(context, name) for name, _ in self.launch_arguments]
         except ValueError as error:  # they are no pairs
             error.wsgen_is_mapping = self.__is_mapping  # type: ignore[attr-defined]
             raise
@@ -730,7 +699,7 @@ class IncludeLaunchDescription(Action):
             is_shim = known_packages.shim_of(file) is not None
             RECORD.argument_use.given += [(name, location, is_shim) for name in names]
             _note_left_out(file, location)
-        given = [SetLaunchConfiguration(name, value) for name, value in self.__launch_arguments]
+        given = [SetLaunchConfiguration(name, value) for name, value in self.launch_arguments]
         for argument in given:
             argument.wsgen_setter = (INCLUDE if is_include else COMMAND_LINE, location)
         return [
@@ -743,7 +712,7 @@ class IncludeLaunchDescription(Action):
     def argument_names_without_context(self) -> list[str]:
         """The names of the arguments, where they can be known before the launch."""
         names = []
-        for name, _ in self.__launch_arguments:
+        for name, _ in self.launch_arguments:
             try:
                 names.append(_text(LaunchContext(), name))
             except Exception:  # noqa: BLE001, S112, PERF203  a name that depends on the launch
@@ -829,16 +798,11 @@ class LogInfo(Action):
 
     def __init__(self, *, msg: SomeSubstitutionsType, **kwargs: Any) -> None:
         super().__init__(**kwargs)
-        self.__msg = normalize_to_list_of_substitutions(msg)
-
-    @property
-    def msg(self) -> Any:
-        """The message."""
-        return self.__msg
+        self.msg = normalize_to_list_of_substitutions(msg)
 
     def execute(self, context: LaunchContext) -> None:
         """Perform the message."""
-        message = perform_substitutions(context, self.__msg)
+        message = perform_substitutions(context, self.msg)
         if RECORD.live is not None:
             import logging
 
@@ -994,22 +958,17 @@ class RegisterEventHandler(Action):
 
     def __init__(self, event_handler: BaseEventHandler, **kwargs: Any) -> None:
         super().__init__(**kwargs)
-        self.__event_handler = event_handler
-
-    @property
-    def event_handler(self) -> BaseEventHandler:
-        """The handler."""
-        return self.__event_handler
+        self.event_handler = event_handler
 
     def execute(self, context: LaunchContext) -> None:
         """Register it."""
-        context.register_event_handler(self.__event_handler)
+        context.register_event_handler(self.event_handler)
 
     def describe_conditional_sub_entities(
         self,
     ) -> list[tuple[str, Iterable[LaunchDescriptionEntity]]]:
         """What the handler is known to bring about."""
-        text, entities = self.__event_handler.describe()
+        text, entities = self.event_handler.describe()
         return [(text, entities)] if entities else []
 
 
@@ -1058,25 +1017,15 @@ class TimerAction(Action):
             period, [str, Substitution, Iterable, float, int], "period", "TimerAction"
         )
         ensure_argument_type(actions, Iterable, "actions", "TimerAction")
-        self.__period = normalize_to_list_of_substitutions(
+        self.period = normalize_to_list_of_substitutions(
             str(period) if isinstance(period, (float, int)) else period
         )
-        self.__actions = list(actions)
+        self.actions = list(actions)
         self.__locals: dict[str, Any] = {}
         self.__configurations: Any = None
         self.wsgen_is_canceled = False
         self.__cancel_on_shutdown = normalize_typed_substitution(cancel_on_shutdown, bool)
         self.wsgen_outlives_shutdown = False
-
-    @property
-    def actions(self) -> list[LaunchDescriptionEntity]:
-        """What is done."""
-        return self.__actions
-
-    @property
-    def period(self) -> Any:
-        """When."""
-        return self.__period
 
     def cancel(self) -> None:
         """Do nothing when the time comes."""
@@ -1086,11 +1035,11 @@ class TimerAction(Action):
         self,
     ) -> list[tuple[str, Iterable[LaunchDescriptionEntity]]]:
         """What is done when the time comes."""
-        return [("the period passes without being canceled", self.__actions)]
+        return [("the period passes without being canceled", self.actions)]
 
     def execute(self, context: LaunchContext) -> None:
         """Set the timer."""
-        seconds = float(perform_substitutions(context, self.__period))
+        seconds = float(perform_substitutions(context, self.period))
         # What the actions find out about the launch file is what it was here.
         self.__locals = context.get_locals_as_dict()
         if os.environ.get("ROS_DISTRO") not in BEFORE_JAZZY:
@@ -1109,10 +1058,10 @@ class TimerAction(Action):
         context.extend_locals(self.__locals)
         self.announce_completion(context)
         if self.__configurations is None:
-            return self.__actions
+            return self.actions
         return [
             _ResumeLaunchConfigurations(self.__configurations),
-            *self.__actions,
+            *self.actions,
             PopLaunchConfigurations(),
         ]
 

@@ -160,12 +160,7 @@ class BaseEventHandler(Located):
 
     def __init__(self, *, matcher: Callable[[Event], bool], handle_once: bool = False) -> None:
         self.__matcher = matcher
-        self.__handle_once = handle_once
-
-    @property
-    def handle_once(self) -> bool:
-        """Whether it is unregistered after the first event."""
-        return self.__handle_once
+        self.handle_once = handle_once
 
     @property
     def handler_description(self) -> str:
@@ -184,7 +179,7 @@ class BaseEventHandler(Located):
         """Handle the event; what comes back is visited."""
         del event
         self.wsgen_is_handled = True
-        if self.__handle_once:
+        if self.handle_once:
             context.unregister_event_handler(self)
 
 
@@ -261,21 +256,16 @@ class TextSubstitution(Substitution):
     def __init__(self, *, text: str) -> None:
         if not isinstance(text, str):
             raise TypeError(f"TextSubstitution expected Text object got '{type(text)}' instead.")
-        self.__text = text
-
-    @property
-    def text(self) -> str:
-        """The text."""
-        return self.__text
+        self.text = text
 
     def describe(self) -> str:
         """The text in quotes."""
-        return f"'{self.__text}'"
+        return f"'{self.text}'"
 
     def perform(self, context: LaunchContext) -> str:
         """The text."""
         del context
-        return self.__text
+        return self.text
 
 
 class SubstitutionFailure(RuntimeError):  # noqa: N818  the name is the original's

@@ -5,7 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from launch._finder import show_public_names
-from launch._utilities import normalize_to_list_of_substitutions, perform_substitutions
+from launch._utilities import (
+    normalize_optional,
+    normalize_to_list_of_substitutions,
+    perform_substitutions,
+)
 from launch.base import Condition
 from wsgen.launching.record import RECORD
 
@@ -59,9 +63,7 @@ class LaunchConfigurationEquals(Condition):
     ) -> None:
         self.__name = launch_configuration_name
         RECORD.argument_use.read.add(launch_configuration_name)
-        self.__expected = (
-            None if expected_value is None else normalize_to_list_of_substitutions(expected_value)
-        )
+        self.__expected = normalize_optional(expected_value)
         super().__init__(predicate=self._holds)
 
     def _holds(self, context: LaunchContext) -> bool:

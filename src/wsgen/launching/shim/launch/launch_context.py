@@ -151,15 +151,10 @@ class LaunchContext:
         self._globals: dict[str, Any] = {}
         self._locals: dict[str, Any] = {}
         self._locals_stack: list[dict[str, Any]] = []
-        self._configurations = _Configurations()
+        self.launch_configurations = _Configurations()
         self._configurations_stack: list[_Configurations] = []
         self._environment_stack: list[dict[str, str]] = []
         self._environment_at_start = copy_environment()
-
-    @property
-    def launch_configurations(self) -> _Configurations:
-        """Name to text; a few internal names hold lists, as in the original."""
-        return self._configurations
 
     @property
     def environment(self) -> dict[str, str]:
@@ -251,17 +246,17 @@ class LaunchContext:
         self._locals = self._locals_stack.pop()
 
     def _push_launch_configurations(self) -> None:
-        self._configurations_stack.append(self._configurations.copy_unread())
+        self._configurations_stack.append(self.launch_configurations.copy_unread())
 
     def _resume_launch_configurations(self, configurations: _Configurations) -> None:
         """Begin a scope with the configurations of another moment."""
-        self._configurations_stack.append(self._configurations)
-        self._configurations = configurations
+        self._configurations_stack.append(self.launch_configurations)
+        self.launch_configurations = configurations
 
     def _pop_launch_configurations(self) -> None:
         if not self._configurations_stack:
             raise RuntimeError("launch_configurations stack unexpectedly empty")
-        self._configurations = self._configurations_stack.pop()
+        self.launch_configurations = self._configurations_stack.pop()
 
     def _push_environment(self) -> None:
         self._environment_stack.append(copy_environment())

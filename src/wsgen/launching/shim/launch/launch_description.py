@@ -126,7 +126,7 @@ class LaunchDescriptionSource:
         self.__launch_description = launch_description
         self.__location: list[Substitution] = normalize_to_list_of_substitutions(location)
         self.__expanded_location: str | None = None
-        self.__method = method
+        self.method = method
         if launch_description is None:
             RECORD.argument_use.not_run.add(self)
 
@@ -155,11 +155,6 @@ class LaunchDescriptionSource:
         if self.__expanded_location is not None:
             return self.__expanded_location
         return " + ".join(sub.describe() for sub in self.__location)
-
-    @property
-    def method(self) -> str:
-        """How it is loaded, in words."""
-        return self.__method
 
     def _load(self, location: str) -> LaunchDescription:
         RECORD.argument_use.not_run.discard(self)
@@ -202,13 +197,8 @@ class LaunchService:
         debug: bool = False,
     ) -> None:
         del debug
-        self.__context = LaunchContext(argv=argv, noninteractive=noninteractive)
+        self.context = LaunchContext(argv=argv, noninteractive=noninteractive)
         self.__descriptions: list[LaunchDescription] = []
-
-    @property
-    def context(self) -> LaunchContext:
-        """The state of its launch."""
-        return self.__context
 
     def include_launch_description(self, launch_description: LaunchDescription) -> None:
         """Play the description too."""
@@ -216,7 +206,7 @@ class LaunchService:
 
     def emit_event(self, event: Event) -> None:
         """Let the event happen."""
-        self.__context.emit_event_sync(event)
+        self.context.emit_event_sync(event)
 
     def shutdown(self, force_sync: bool = False) -> None:  # noqa: FBT001, FBT002  as the original
         """It has come to its end already."""
@@ -225,7 +215,7 @@ class LaunchService:
         """Play them; the exit code of a launch that went well."""
         del shutdown_when_idle
         descriptions, self.__descriptions = self.__descriptions, []
-        play(LaunchDescription(descriptions), self.__context)
+        play(LaunchDescription(descriptions), self.context)
         return 0
 
     async def run_async(self, *, shutdown_when_idle: bool = True) -> int:

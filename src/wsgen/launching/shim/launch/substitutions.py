@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from launch._finder import show_public_names
 from launch._utilities import (
     BEFORE_HUMBLE,
+    normalize_optional,
     normalize_to_list_of_substitutions,
     perform_substitutions,
 )
@@ -136,27 +137,17 @@ class Command(Substitution):
     def __init__(
         self, command: SomeSubstitutionsType, *, on_stderr: SomeSubstitutionsType = "fail"
     ) -> None:
-        self.__command = normalize_to_list_of_substitutions(command)
-        self.__on_stderr = normalize_to_list_of_substitutions(on_stderr)
-
-    @property
-    def command(self) -> list[Substitution]:
-        """The command line."""
-        return self.__command
-
-    @property
-    def on_stderr(self) -> list[Substitution]:
-        """What is done about output on standard error."""
-        return self.__on_stderr
+        self.command = normalize_to_list_of_substitutions(command)
+        self.on_stderr = normalize_to_list_of_substitutions(on_stderr)
 
     def describe(self) -> str:
         """Itself in words."""
-        return f"Command({' + '.join(sub.describe() for sub in self.__command)})"
+        return f"Command({' + '.join(sub.describe() for sub in self.command)})"
 
     def perform(self, context: LaunchContext) -> str:
         """The output, with its last line break."""
-        line = perform_substitutions(context, self.__command)
-        on_stderr = perform_substitutions(context, self.__on_stderr)
+        line = perform_substitutions(context, self.command)
+        on_stderr = perform_substitutions(context, self.on_stderr)
         if on_stderr not in {"fail", "ignore", "warn", "capture"}:
             raise SubstitutionFailure(
                 "expected 'on_stderr' to be one of: 'fail', 'ignore', 'warn', and 'capture', "
@@ -190,33 +181,21 @@ class EnvironmentVariable(Substitution):
     def __init__(
         self, name: SomeSubstitutionsType, *, default_value: SomeSubstitutionsType | None = None
     ) -> None:
-        self.__name = normalize_to_list_of_substitutions(name)
-        self.__default_value = (
-            None if default_value is None else normalize_to_list_of_substitutions(default_value)
-        )
-
-    @property
-    def name(self) -> list[Substitution]:
-        """The name."""
-        return self.__name
-
-    @property
-    def default_value(self) -> list[Substitution] | None:
-        """What it is where the variable is not set."""
-        return self.__default_value
+        self.name = normalize_to_list_of_substitutions(name)
+        self.default_value = normalize_optional(default_value)
 
     def describe(self) -> str:
         """Itself in words."""
-        return f"EnvVar({' + '.join(sub.describe() for sub in self.__name)})"
+        return f"EnvVar({' + '.join(sub.describe() for sub in self.name)})"
 
     def perform(self, context: LaunchContext) -> str:
         """The value."""
-        name = perform_substitutions(context, self.__name)
+        name = perform_substitutions(context, self.name)
         if name in os.environ:
             return os.environ[name]
-        if self.__default_value is None:
+        if self.default_value is None:
             raise SubstitutionFailure(f"environment variable '{name}' does not exist")
-        return perform_substitutions(context, self.__default_value)
+        return perform_substitutions(context, self.default_value)
 
 
 class EqualsSubstitution(Substitution):
@@ -283,20 +262,15 @@ class FindExecutable(Substitution):
     """The path of a program on PATH; ROS's own programs are found also where ROS is not."""
 
     def __init__(self, *, name: SomeSubstitutionsType) -> None:
-        self.__name = normalize_to_list_of_substitutions(name)
-
-    @property
-    def name(self) -> list[Substitution]:
-        """The program."""
-        return self.__name
+        self.name = normalize_to_list_of_substitutions(name)
 
     def describe(self) -> str:
         """Itself in words."""
-        return f"FindExec({' + '.join(sub.describe() for sub in self.__name)})"
+        return f"FindExec({' + '.join(sub.describe() for sub in self.name)})"
 
     def perform(self, context: LaunchContext) -> str:
         """The path."""
-        name = perform_substitutions(context, self.__name)
+        name = perform_substitutions(context, self.name)
         import shutil  # seldom needed, and it brings bz2 and lzma
 
         path = shutil.which(name) or known_packages.program_path(name)
@@ -313,9 +287,7 @@ class ForEachVar(Substitution):
         self, name: SomeSubstitutionsType, *, default_value: SomeSubstitutionsType | None = None
     ) -> None:
         self.__name = normalize_to_list_of_substitutions(name)
-        self.__default_value = (
-            None if default_value is None else normalize_to_list_of_substitutions(default_value)
-        )
+        self.__default_value = normalize_optional(default_value)
 
     def describe(self) -> str:
         """Itself in words."""
@@ -373,24 +345,19 @@ class LaunchConfiguration(Substitution):
         *,
         default: Any | Iterable[Any] | None = None,
     ) -> None:
-        self.__variable_name = normalize_to_list_of_substitutions(variable_name)
+        self.variable_name = normalize_to_list_of_substitutions(variable_name)
         self.__default = None if default is None else _normalize_default(default)
         # Now, as a condition may keep it from being performed.
         if isinstance(variable_name, str):
             RECORD.argument_use.read.add(variable_name)
 
-    @property
-    def variable_name(self) -> list[Substitution]:
-        """The name."""
-        return self.__variable_name
-
     def describe(self) -> str:
         """Itself in words."""
-        return f"LaunchConfig({' + '.join(sub.describe() for sub in self.__variable_name)})"
+        return f"LaunchConfig({' + '.join(sub.describe() for sub in self.variable_name)})"
 
     def perform(self, context: LaunchContext) -> str:
         """The value, the default, or SubstitutionFailure."""
-        name = perform_substitutions(context, self.__variable_name)
+        name = perform_substitutions(context, self.variable_name)
         if name in context.launch_configurations:
             value: str = context.launch_configurations[name]
             return value
@@ -431,26 +398,21 @@ class LocalSubstitution(Substitution):
     """An expression over the context's locals, such as `event.reason`."""
 
     def __init__(self, expression: str, description: str | None = None) -> None:
-        self.__expression = expression
+        self.expression = expression
         self.__description = description
-
-    @property
-    def expression(self) -> str:
-        """The expression."""
-        return self.__expression
 
     def describe(self) -> str:
         """Itself in words."""
-        return f"LocalVar('{self.__description or self.__expression}')"
+        return f"LocalVar('{self.__description or self.expression}')"
 
     def perform(self, context: LaunchContext) -> str:
         """Its value as text."""
-        RECORD.require_plain(partial(is_plain_expression, self.__expression))
+        RECORD.require_plain(partial(is_plain_expression, self.expression))
         try:
-            value = eval(self.__expression, {}, context.get_locals_as_dict())  # noqa: S307  the launch file is a program already
+            value = eval(self.expression, {}, context.get_locals_as_dict())  # noqa: S307  the launch file is a program already
         except Exception as error:
             raise SubstitutionFailure(
-                f"cannot find '{self.__expression}' in locals: {error}"
+                f"cannot find '{self.expression}' in locals: {error}"
             ) from error
         return str(value)
 
@@ -471,28 +433,25 @@ class PathJoinSubstitution(Substitution):
     """
 
     def __init__(self, substitutions: Iterable[SomeSubstitutionsType]) -> None:
-        self.__parts: list[list[Substitution]]
+        self.substitutions: list[list[Substitution]]
         if isinstance(substitutions, (str, os.PathLike, Substitution)):
-            self.__parts = [normalize_to_list_of_substitutions(substitutions)]
+            self.substitutions = [normalize_to_list_of_substitutions(substitutions)]
         elif os.environ.get("ROS_DISTRO") in BEFORE_HUMBLE:
             parts: Any = substitutions  # any other than texts and substitutions are refused
-            self.__parts = [[part] for part in normalize_to_list_of_substitutions(parts)]
+            self.substitutions = [[part] for part in normalize_to_list_of_substitutions(parts)]
         else:
-            self.__parts = [normalize_to_list_of_substitutions(part) for part in substitutions]
-
-    @property
-    def substitutions(self) -> list[list[Substitution]]:
-        """The parts."""
-        return self.__parts
+            self.substitutions = [
+                normalize_to_list_of_substitutions(part) for part in substitutions
+            ]
 
     def describe(self) -> str:
         """Itself in words."""
-        parts = (" + ".join(sub.describe() for sub in part) for part in self.__parts)
+        parts = (" + ".join(sub.describe() for sub in part) for part in self.substitutions)
         return f"PathJoin({', '.join(parts)})"
 
     def perform(self, context: LaunchContext) -> str:
         """The path."""
-        parts = [perform_substitutions(context, part) for part in self.__parts]
+        parts = [perform_substitutions(context, part) for part in self.substitutions]
         return os.path.join(*parts) if parts else ""
 
 
@@ -511,17 +470,12 @@ class PythonExpression(Substitution):
         expression: SomeSubstitutionsType,
         python_modules: Iterable[SomeSubstitutionsType] = ("math",),
     ) -> None:
-        self.__expression = normalize_to_list_of_substitutions(expression)
+        self.expression = normalize_to_list_of_substitutions(expression)
         self.__modules = [normalize_to_list_of_substitutions(name) for name in python_modules]
-
-    @property
-    def expression(self) -> list[Substitution]:
-        """The expression."""
-        return self.__expression
 
     def describe(self) -> str:
         """Itself in words."""
-        return f"PythonExpr({' + '.join(sub.describe() for sub in self.__expression)})"
+        return f"PythonExpr({' + '.join(sub.describe() for sub in self.expression)})"
 
     def perform(self, context: LaunchContext) -> str:
         """What the expression gives, as `str` writes it."""
@@ -533,7 +487,7 @@ class PythonExpression(Substitution):
             if name == "math":
                 names.update(vars(module))
             names[name] = module
-        expression = perform_substitutions(context, self.__expression)
+        expression = perform_substitutions(context, self.expression)
         if RECORD.is_unknown(expression):
             return RECORD.note_unknown(expression, "a part of it is not known", self.wsgen_location)
         RECORD.require_plain(partial(is_plain_expression, expression))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from launch._finder import show_public_names
 from launch._utilities import (
     ensure_argument_type,
+    normalize_optional,
     normalize_to_list_of_substitutions,
     normalize_typed_substitution,
     perform_substitutions,
@@ -74,11 +75,9 @@ class Node(ExecuteProcess):
             ensure_argument_type(parameters, [list], "parameters", "Node")
         super().__init__(cmd=words, name=exec_name, **kwargs)
         self.__executable = normalize_to_list_of_substitutions(executable)
-        self.__package = None if package is None else normalize_to_list_of_substitutions(package)
-        self.__name = None if name is None else normalize_to_list_of_substitutions(name)
-        self.__namespace = (
-            None if namespace is None else normalize_to_list_of_substitutions(namespace)
-        )
+        self.__package = normalize_optional(package)
+        self.__name = normalize_optional(name)
+        self.__namespace = normalize_optional(namespace)
         self.__parameters = normalize_parameters(parameters or [])
         self.__remappings = normalize_remap_rules(remappings or [])
         self.__ros_arguments = [

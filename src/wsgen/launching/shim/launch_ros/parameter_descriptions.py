@@ -25,22 +25,12 @@ class ParameterValue:
 
     def __init__(self, value: Any, *, value_type: Any = None) -> None:
         self.wsgen_location = caller()
-        self.__value = normalize_typed_substitution(value, value_type)
-        self.__value_type = value_type
-
-    @property
-    def value(self) -> Any:
-        """The value, or what gives it."""
-        return self.__value
-
-    @property
-    def value_type(self) -> Any:
-        """The type; None: as YAML reads it."""
-        return self.__value_type
+        self.value = normalize_typed_substitution(value, value_type)
+        self.value_type = value_type
 
     def evaluate(self, context: LaunchContext) -> Any:
         """The value."""
-        return perform_typed_substitution(context, self.__value, self.__value_type)
+        return perform_typed_substitution(context, self.value, self.value_type)
 
 
 class Parameter:

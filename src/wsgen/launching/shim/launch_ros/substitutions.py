@@ -22,23 +22,13 @@ class ExecutableInPackage(Substitution):
     """The path of a program below `lib/PACKAGE` of the prefix that has the package."""
 
     def __init__(self, executable: SomeSubstitutionsType, package: SomeSubstitutionsType) -> None:
-        self.__executable = normalize_to_list_of_substitutions(executable)
-        self.__package = normalize_to_list_of_substitutions(package)
-
-    @property
-    def executable(self) -> list[Substitution]:
-        """The program."""
-        return self.__executable
-
-    @property
-    def package(self) -> list[Substitution]:
-        """The package."""
-        return self.__package
+        self.executable = normalize_to_list_of_substitutions(executable)
+        self.package = normalize_to_list_of_substitutions(package)
 
     def perform(self, context: LaunchContext) -> str:
         """The path; not looked for where the package itself is not installed."""
-        executable = perform_substitutions(context, self.__executable)
-        package = perform_substitutions(context, self.__package)
+        executable = perform_substitutions(context, self.executable)
+        package = perform_substitutions(context, self.package)
         if RECORD.is_unknown(package) or RECORD.is_unknown(executable):
             return executable
         prefix = get_package_prefix(package)
@@ -61,12 +51,7 @@ class FindPackage(Substitution):
     """Base: a folder of a package."""
 
     def __init__(self, package: SomeSubstitutionsType) -> None:
-        self.__package = normalize_to_list_of_substitutions(package)
-
-    @property
-    def package(self) -> list[Substitution]:
-        """The package."""
-        return self.__package
+        self.package = normalize_to_list_of_substitutions(package)
 
     def find(self, package_name: str) -> str:
         """The folder; launch files call this too."""
@@ -74,11 +59,11 @@ class FindPackage(Substitution):
 
     def describe(self) -> str:
         """Itself in words."""
-        return f"{type(self).__name__}(pkg={' + '.join(sub.describe() for sub in self.__package)})"
+        return f"{type(self).__name__}(pkg={' + '.join(sub.describe() for sub in self.package)})"
 
     def perform(self, context: LaunchContext) -> str:
         """The folder."""
-        package = perform_substitutions(context, self.__package)
+        package = perform_substitutions(context, self.package)
         RECORD.visited = self.wsgen_location or RECORD.visited
         return package if RECORD.is_unknown(package) else self.find(package)
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from launch._utilities import (
+    normalize_optional,
     normalize_to_list_of_substitutions,
     perform_substitutions,
     read_plain_yaml,
@@ -448,10 +449,8 @@ class ComposableNode:
         self.wsgen_location = caller()
         self.package = normalize_to_list_of_substitutions(package)
         self.plugin = normalize_to_list_of_substitutions(plugin)
-        self.name = None if name is None else normalize_to_list_of_substitutions(name)
-        self.namespace = (
-            None if namespace is None else normalize_to_list_of_substitutions(namespace)
-        )
+        self.name = normalize_optional(name)
+        self.namespace = normalize_optional(namespace)
         self.parameters = normalize_parameters(parameters or [])
         self.remappings = normalize_remap_rules(remappings or [])
         self.extra_arguments = normalize_parameters(extra_arguments or [])
