@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.packages.imported_packages import misspelled_module
 from wsgen.ros.environment.interfaces import buildable
-from wsgen.ros.names import released_packages
+from wsgen.ros.names import pypi_names, released_packages
 from wsgen.text.files import read_whole
 from wsgen.text.markup import read_text
 from wsgen.text.pythontree import is_text, parse_anew
@@ -50,38 +50,6 @@ OF_NUMPY = {
     b"was removed in the NumPy 2.0 release": "2",
 }
 
-# Modules whose package on PyPI has another name.
-ON_PYPI = {
-    "bs4": "beautifulsoup4",
-    "can": "python-can",
-    "Crypto": "pycryptodome",
-    "cv2": "'opencv-python-headless<5'",  # ROS has 4; with 5 the lines of HoughLinesP are flat
-    "dotenv": "python-dotenv",
-    "em": "empy",
-    "gi": "PyGObject",
-    "git": "GitPython",
-    "google": "protobuf",
-    "mpl_toolkits": "matplotlib",
-    "OpenGL": "PyOpenGL",
-    "paho": "paho-mqtt",
-    "PIL": "pillow",
-    "pinocchio": "pin",
-    "pylab": "matplotlib",
-    "quaternion": "numpy-quaternion",
-    "roboticstoolbox": "roboticstoolbox-python",
-    "RPi": "RPi.GPIO",
-    "serial": "pyserial",
-    "skfuzzy": "scikit-fuzzy",
-    "skimage": "scikit-image",
-    "sklearn": "scikit-learn",
-    "spatialmath": "spatialmath-python",
-    "speech_recognition": "SpeechRecognition",
-    "stable_baselines3": "stable-baselines3",
-    "usb": "pyusb",
-    "Xlib": "python-xlib",
-    "yaml": "PyYAML",
-    "zmq": "pyzmq",
-}
 # Modules of Python that Linux distributions have in packages of their own.
 OF_PYTHON = {"tkinter": "python3-tk", "curses": "libncurses-dev", "_tkinter": "python3-tk"}
 # Packages of ROS 1 that nodes import.
@@ -147,7 +115,7 @@ def explain_module(
             )
         if top in OF_ROS_1:
             return f"{lacks}: it is one of ROS 1; port the node to ROS 2"
-        meant = None if top in ON_PYPI else misspelled_module(top, workspace)
+        meant = None if top in pypi_names() else misspelled_module(top, workspace)
         if meant is not None:
             return f"{lacks}. {did_you_mean(meant)}"
     return f"{lacks}: {way_to_module(top, python, workspace, distro)}"
@@ -162,9 +130,9 @@ def way_to_module(
             f"{top} is a package of this workspace; let it install its modules, and run "
             "`wsgen build`"
         )
-    if top not in ON_PYPI and top in released_packages():
+    if top not in pypi_names() and top in released_packages():
         return _way_to_package(top, distro)
-    return f"{python or 'python3'} -m pip install {ON_PYPI.get(top, top)}"
+    return f"{python or 'python3'} -m pip install {pypi_names().get(top, top)}"
 
 
 def _way_to_package(name: str, distro: str | None) -> str:

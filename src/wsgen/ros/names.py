@@ -8,6 +8,7 @@ from pathlib import Path
 ROSDEP = "rosdep"
 ROS_NAMES = Path(__file__).with_name("ros-names.txt")
 CMAKE_NAMES = Path(__file__).with_name("cmake-names.txt")
+PYPI_NAMES = Path(__file__).with_name("pypi-names.txt")
 
 
 @cache
@@ -42,6 +43,13 @@ def cmake_packages() -> frozenset[str]:
     """Other names that find_package() of a ROS package may ask for: Gazebo's, and libraries."""
     lines = CMAKE_NAMES.read_text(encoding="utf-8").splitlines()
     return frozenset(name for line in lines if not line.startswith("#") for name in line.split())
+
+
+@cache
+def pypi_names() -> dict[str, str]:
+    """What `pip install` takes for Python modules whose packages have other names."""
+    lines = PYPI_NAMES.read_text(encoding="utf-8").splitlines()
+    return dict(line.split() for line in lines if not line.startswith("#"))
 
 
 @cache

@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.errors import RequestError
 from wsgen.model.sweep import LEAST_INTEGER, MOST_INTEGER
+from wsgen.text import tomlfile
 from wsgen.text.suggestions import ask_for_nearest, some_of
 from wsgen.text.values import dataclass
 
@@ -84,112 +86,13 @@ PUSH_FORCE = "push.force"
 PUSH_DIRECTION = "push.direction"
 PUSH_SECONDS = "push.seconds"
 
-_FAR = 1e6  # m; farther away, the engines' numbers lose millimeters
-_MUCH = 1e6
 MOST_NAMED = 12  # parameters in a hint
 LEAST_WITH_COMMAS, MOST_WITH_COMMAS = 1e4, 1e15
 MOST_DEVIATIONS = 10.0  # from the mean; more than any normal distribution draws
-LONGEST_PUSH = 60.0  # s, as the longest behavior
 
-OWN: tuple[Parameter, ...] = (
-    Parameter(
-        name=FRICTION,
-        kind="number",
-        meaning="friction coefficient of the ground; of the two in contact, the smaller one "
-        "counts, as in Gazebo",
-        minimum=0.0,
-        maximum=_MUCH,
-    ),
-    Parameter(
-        name=SLOPE,
-        kind="number",
-        unit="rad",
-        meaning="angle by which the ground falls along +x; poses are relative to the ground, and "
-        "gravity is tilted",
-        default=0.0,
-        minimum=-math.pi / 2,
-        maximum=math.pi / 2,
-        is_open=True,
-    ),
-    Parameter(
-        name=GRAVITY,
-        kind="number",
-        unit="m/s²",
-        meaning="magnitude of gravity; its direction stays",
-        minimum=0.0,
-        maximum=1000.0,
-    ),
-    *(
-        Parameter(
-            name=name,
-            kind="number",
-            unit="m",
-            meaning=f"{name[-1]} of the spawn pose{more}",
-            minimum=-_FAR,
-            maximum=_FAR,
-        )
-        for name, more in (
-            (SPAWN_X, ""),
-            (SPAWN_Y, ""),
-            (SPAWN_Z, "; by default that of the launch file, or a pose on the ground"),
-        )
-    ),
-    *(
-        Parameter(
-            name=name,
-            kind="number",
-            unit="rad",
-            meaning=f"{name.partition('.')[2]} of the spawn pose",
-            minimum=-2 * math.pi,
-            maximum=2 * math.pi,
-        )
-        for name in (SPAWN_ROLL, SPAWN_PITCH, SPAWN_YAW)
-    ),
-    *(
-        Parameter(
-            name=name,
-            kind="number",
-            meaning=f"factor of the {what}",
-            default=1.0,
-            minimum=0.0,
-            maximum=_MUCH,
-            is_open=True,
-        )
-        for name, what in (
-            (MASS_SCALE, "mass and the inertia of all links"),
-            (INERTIA_SCALE, "inertia of all links, whose mass stays"),
-            (FRICTION_SCALE, "friction coefficients of all links, mu and mu2"),
-        )
-    ),
-    Parameter(
-        name=PUSH_FORCE,
-        kind="number",
-        unit="N",
-        meaning="horizontal force on the root link, at its center of mass; it begins at a third "
-        "of the simulated time",
-        default=0.0,
-        minimum=0.0,
-        maximum=1e9,
-    ),
-    Parameter(
-        name=PUSH_DIRECTION,
-        kind="number",
-        unit="rad",
-        meaning="direction of that force; 0 is +x of the world, pi/2 is +y",
-        default=0.0,
-        minimum=-2 * math.pi,
-        maximum=2 * math.pi,
-    ),
-    Parameter(
-        name=PUSH_SECONDS,
-        kind="number",
-        unit="s",
-        meaning="time that the force acts",
-        default=0.5,
-        minimum=0.0,
-        maximum=LONGEST_PUSH,
-        is_open=True,
-    ),
+OWN = tuple(
+    Parameter(kind="number", **one)
+    for one in tomlfile.load(Path(__file__).with_name("own_parameters.toml"))["parameter"]
 )
 _NUMBER = re.compile(
     r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(deg)?"
