@@ -66,14 +66,12 @@ def names() -> dict[str, list[str]]:
         package = ".".join(file.parent.relative_to(SHIM).parts)
         tree = ast.parse(file.read_text(encoding="utf-8"))
         for node in tree.body:
-            if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
-                target = node.targets[0].id
-                if target == "_HOMES":
-                    homes = ast.literal_eval(node.value)
-                    found[package] = [name for name, home in homes.items() if home]
-                elif target == "__all__" and isinstance(node.value, ast.List):
-                    found[package] = ast.literal_eval(node.value)
-    shown: dict[str, dict[str, str]] = runpy.run_path(str(SHIM / "launch" / "_finder.py"))["NAMES"]
+            if not isinstance(node, ast.Assign) or not isinstance(node.value, ast.List):
+                continue
+            if ast.unparse(node.targets[0]) == "__all__":
+                found[package] = ast.literal_eval(node.value)
+    finder = runpy.run_path(str(SHIM / "launch" / "_finder.py"))
+    shown: dict[str, dict[str, str]] = {**finder["ON_DEMAND"], **finder["NAMES"]}
     for package, homes in shown.items():
         found[package] = [name for name, home in homes.items() if home and home[0] != "."]
     module = "launch_ros.parameter_descriptions"

@@ -36,14 +36,16 @@ def _read_names() -> dict[str, dict[str, str]]:
 
 
 NAMES = _read_names()  # the public names of a package -> the modules that define them
+# Likewise, of packages that import a module of their own when a name of it is asked for.
+ON_DEMAND = {name: NAMES.pop(name) for name in ("launch", "launch.frontend", "launch_ros")}
 HOMES = NAMES.pop("elsewhere")  # a module of the original -> that which has its content here
 
 
-def names_on_demand(package: str, homes: Mapping[str, str]) -> Callable[[str], Any]:
-    """The `__getattr__` of a package, given the module of each name ("" where it is one)."""
+def names_on_demand(package: str) -> Callable[[str], Any]:
+    """The `__getattr__` of a package of `ON_DEMAND`."""
 
     def find(name: str) -> Any:
-        home = homes.get(name)
+        home = ON_DEMAND[package].get(name)
         if home is None:
             raise _missing(package, name)
         if home:
