@@ -35,16 +35,16 @@ def test_names_and_options() -> None:
         Wanted("a", ("x.yaml", "y.yaml"), stays_inactive=True),
         Wanted("b", ("x.yaml", "y.yaml"), stays_inactive=True),
     )
-    assert order.manager == "/arm/controller_manager"
+    assert order.controller_manager == "/arm/controller_manager"
 
 
 def test_options_of_former_and_newer_releases() -> None:
     order = read_arguments(["a", "--stopped", "-t", "some/Type", "-n", "/arm"])
     assert order.controllers[0].stays_inactive
-    assert (order.kind, order.namespace, order.says_stopped) == ("some/Type", "/arm", True)
+    assert (order.controller_type, order.namespace, order.stopped) == ("some/Type", "/arm", True)
     order = read_arguments(["a", "--controller-ros-args", "-r a:=b", "--activate-as-group"])
     assert order.controllers[0].ros_arguments == ("-r", "a:=b")
-    assert order.as_group
+    assert order.activate_as_group
 
 
 def test_checks_know_all_options() -> None:
@@ -56,7 +56,7 @@ def test_each_controller_may_have_options_of_its_own() -> None:
     order = read_arguments(
         ["-c", "/cm", "--controller", "a", "--inactive", "--controller", "b", "-p", "x.yaml"]
     )
-    assert order.manager == "/cm"
+    assert order.controller_manager == "/cm"
     assert order.controllers == (Wanted("a", stays_inactive=True), Wanted("b", ("x.yaml",)))
 
 

@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.launching.spawner_options import OF_CONTROLLER, OF_SPAWNER
 from wsgen.live.nodes.signals import ignore_ends, raise_when_ended
-from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -51,26 +50,11 @@ class Wanted(NamedTuple):
     ros_arguments: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, kw_only=True)
-class Order:
-    """What a spawner is to do."""
-
-    controllers: tuple[Wanted, ...]
-    manager: str  # as written
-    namespace: str | None
-    kind: str | None  # the type of the controllers
-    manager_seconds: float
-    switch_seconds: float
-    call_seconds: float
-    as_group: bool
-    unloads: bool  # when it is interrupted
-    says_stopped: bool  # the former name of --inactive
-
-
-def read_arguments(arguments: Sequence[str], files: Sequence[str] = ()) -> Order:
+def read_arguments(arguments: Sequence[str], files: Sequence[str] = ()) -> argparse.Namespace:
     """The arguments of a spawner; ends the process where they are wrong, as argparse does.
 
-    `files` are those of parameters that its `--ros-args` name.
+    `files` are those of parameters that its `--ros-args` name. What there is to start is in
+    `controllers`.
     """
     if EACH in arguments:
         first = list(arguments).index(EACH)
@@ -83,20 +67,10 @@ def read_arguments(arguments: Sequence[str], files: Sequence[str] = ()) -> Order
         parser.add_argument("controller_names", nargs="+", help="List of controllers")
         options = parser.parse_args(list(arguments))
         controllers = tuple(_wanted(name, options) for name in options.controller_names)
-    return Order(
-        controllers=tuple(
-            one._replace(files=tuple(dict.fromkeys((*one.files, *files)))) for one in controllers
-        ),
-        manager=options.controller_manager,
-        namespace=options.namespace,
-        kind=options.controller_type,
-        manager_seconds=options.controller_manager_timeout,
-        switch_seconds=options.switch_timeout,
-        call_seconds=options.service_call_timeout,
-        as_group=options.activate_as_group,
-        unloads=options.unload_on_kill,
-        says_stopped=bool(getattr(options, "stopped", False)),
+    options.controllers = tuple(
+        one._replace(files=tuple(dict.fromkeys((*one.files, *files)))) for one in controllers
     )
+    return options
 
 
 def _parser(options: ControllerOptions) -> argparse.ArgumentParser:
@@ -134,7 +108,7 @@ def _each(arguments: list[str]) -> Any:
         yield _wanted(chunk[0], _parser(OF_CONTROLLER).parse_known_args(chunk[1:])[0])
 
 
-def refused_in(order: Order) -> str | None:
+def refused_in(order: argparse.Namespace) -> str | None:
     """What ends a spawner before it is a node: a name that none can have, or a missing file."""
     for one in order.controllers:
         if re.fullmatch(r"\w+", one.name, re.ASCII) is None:
@@ -148,7 +122,7 @@ def refused_in(order: Order) -> str | None:
     return None
 
 
-def spawn(order: Order, client: ManagerClient, namespace: str) -> int:
+def spawn(order: argparse.Namespace, client: ManagerClient, namespace: str) -> int:
     """Load, configure and activate; gives the exit code."""
     group = []
     for one in order.controllers:
@@ -156,17 +130,17 @@ def spawn(order: Order, client: ManagerClient, namespace: str) -> int:
             return 1
         if one.only_load or one.stays_inactive:
             continue
-        if order.as_group:
+        if order.activate_as_group:
             group.append(one.name)
             continue
-        if not client.switch([one.name], seconds=order.switch_seconds).ok:
+        if not client.switch([one.name], seconds=order.switch_timeout).ok:
             client.error(colored(f"Failed to activate controller : {one.name}", "red"))
             return 1
         client.info(
             colored("Configured and activated ", "green") + colored(one.name, "green", "bold")
         )
     if group:
-        if not client.switch(group, seconds=order.switch_seconds).ok:
+        if not client.switch(group, seconds=order.switch_timeout).ok:
             client.error(
                 colored(f"Failed to activate the parsed controllers list : {group}", "red")
             )
@@ -174,12 +148,12 @@ def spawn(order: Order, client: ManagerClient, namespace: str) -> int:
         client.info(
             colored(f"Configured and activated all the parsed controllers list : {group}!", "green")
         )
-    if order.says_stopped:
+    if getattr(order, "stopped", False):
         client.warn('"--stopped" flag is deprecated use "--inactive" instead')
     return 0
 
 
-def _prepare(order: Order, one: Wanted, client: ManagerClient, namespace: str) -> bool:
+def _prepare(order: argparse.Namespace, one: Wanted, client: ManagerClient, namespace: str) -> bool:
     """Load and configure a controller."""
     if any(loaded.name == one.name for loaded in client.controllers()):
         client.warn(colored("Controller already loaded, skipping load_controller", "yellow"))
@@ -191,8 +165,8 @@ def _prepare(order: Order, one: Wanted, client: ManagerClient, namespace: str) -
     return True
 
 
-def _load(order: Order, one: Wanted, client: ManagerClient, namespace: str) -> bool:
-    if order.kind and not client.set_parameter(one.name, "type", order.kind):
+def _load(order: argparse.Namespace, one: Wanted, client: ManagerClient, namespace: str) -> bool:
+    if order.controller_type and not client.set_parameter(one.name, "type", order.controller_type):
         return False
     if one.ros_arguments and not client.set_parameter(
         one.name, "node_options_args", list(one.ros_arguments)
@@ -209,7 +183,7 @@ def _load(order: Order, one: Wanted, client: ManagerClient, namespace: str) -> b
     return True
 
 
-def unload_when_interrupted(order: Order, client: ManagerClient) -> int:
+def unload_when_interrupted(order: argparse.Namespace, client: ManagerClient) -> int:
     """Wait for the end, then take back what was started."""
     client.info("Waiting until interrupt to unload controllers")
     try:
@@ -222,7 +196,7 @@ def unload_when_interrupted(order: Order, client: ManagerClient) -> int:
         client.info("No active controllers to unload.")
         return 0
     client.info("Deactivating and unloading controllers...")
-    if not client.switch(deactivate=names, seconds=order.switch_seconds).ok:
+    if not client.switch(deactivate=names, seconds=order.switch_timeout).ok:
         client.error(colored("Failed to deactivate controller", "red"))
         return 1
     client.info(f"Successfully deactivated controllers : {names}")
@@ -295,15 +269,15 @@ def main() -> int:
         namespace = namespace if namespace.startswith("/") else f"/{namespace}"
         client = ManagerClient(
             node,
-            full_manager(order.manager, namespace),
-            wait=order.manager_seconds,
-            patience=order.call_seconds,
+            full_manager(order.controller_manager, namespace),
+            wait=order.controller_manager_timeout,
+            patience=order.service_call_timeout,
         )
         if is_unspawner:
             names = [one.name for one in order.controllers]
-            return unspawn(names, client, order.switch_seconds)
+            return unspawn(names, client, order.switch_timeout)
         code = spawn(order, client, namespace)
-        return unload_when_interrupted(order, client) if order.unloads and not code else code
+        return unload_when_interrupted(order, client) if order.unload_on_kill and not code else code
     except ServiceMissingError as missing:
         node.get_logger().fatal(str(missing))
         return 1
@@ -316,24 +290,20 @@ def main() -> int:
         rclpy.try_shutdown()
 
 
-def _unspawner(arguments: Sequence[str]) -> Order:
+def _unspawner(arguments: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="unspawner")
     parser.add_argument("controller_names", nargs="+", help="Name of the controller")
     parser.add_argument("-c", "--controller-manager", default="/controller_manager")
     parser.add_argument("--switch-timeout", type=float, default=5.0)
-    options = parser.parse_args(list(arguments))
-    return Order(
-        controllers=tuple(Wanted(name) for name in options.controller_names),
-        manager=options.controller_manager,
+    parser.set_defaults(
         namespace=None,
-        kind=None,
-        manager_seconds=0.0,
-        switch_seconds=options.switch_timeout,
-        call_seconds=10.0,
-        as_group=False,
-        unloads=False,
-        says_stopped=False,
+        controller_manager_timeout=0.0,
+        service_call_timeout=10.0,
+        unload_on_kill=False,
     )
+    options = parser.parse_args(list(arguments))
+    options.controllers = tuple(Wanted(name) for name in options.controller_names)
+    return options
 
 
 if __name__ == "__main__":
