@@ -399,6 +399,30 @@ def test_the_topics_of_a_robot_in_the_world_are_bridged(tmp_path: Path, world: s
 
 
 @pytest.mark.slow
+def test_the_service_that_a_program_calls_is_bridged(tmp_path: Path) -> None:
+    program = """from gazebo_msgs.srv import SpawnEntity
+
+client = node.create_client(SpawnEntity, "/spawn_entity")
+request = SpawnEntity.Request()
+request.name = "box"
+"""
+    package = _written(tmp_path / "in_world", {**IN_A_WORLD, "scripts/spawn.py": program})
+    manifest = package / "package.xml"
+    text = manifest.read_text(encoding="utf-8")
+    manifest.write_text(text.replace("gazebo_ros<", "gazebo_msgs<"), encoding="utf-8")
+    list(write_port(plan(package)))
+    launch = (package / "launch" / "world.launch.py").read_text(encoding="utf-8")
+    assert "'/world/default/create@ros_gz_interfaces/srv/SpawnEntity'," in launch
+    assert "('/world/default/create', '/spawn_entity')," in launch
+    changed = (package / "scripts" / "spawn.py").read_text(encoding="utf-8")
+    assert 'request.entity_factory.name = "box"' in changed
+    assert "gazebo_msgs" not in manifest.read_text(encoding="utf-8")
+    assert "<exec_depend>ros_gz_interfaces</exec_depend>" in manifest.read_text(encoding="utf-8")
+    again = plan(package)
+    assert (again.files, again.unported) == ((), ())
+
+
+@pytest.mark.slow
 def test_a_file_is_not_ported_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     package = make(tmp_path, "simple-humble-classic")
     robot = package / "model" / "robot.xacro"

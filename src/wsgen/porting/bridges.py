@@ -29,8 +29,9 @@ _HANDLERS = ("RegisterEventHandler", "TimerAction")
 
 
 def option(row: BridgeRow) -> str:
-    """The argument of the bridge for a topic."""
-    return f"{row.gz_topic}@{row.ros_type}{row.direction}gz.msgs.{row.gz_type}"
+    """The argument of the bridge for a topic or a service."""
+    gz_type = f"gz.msgs.{row.gz_type}" if row.gz_type else ""
+    return f"{row.gz_topic}@{row.ros_type}{row.direction}{gz_type}"
 
 
 def parted(rows: Sequence[BridgeRow]) -> list[list[BridgeRow]]:

@@ -59,10 +59,13 @@ class Declared(NamedTuple):
     becomes: str  # the same name: it stays; empty: it goes
 
 
-def code_with(folder: Path, pattern: bytes) -> Path | None:
-    """The first source file of nodes or plugins, in the order of names, that has a pattern."""
+def code_with(folder: Path, pattern: bytes, ported: Collection[Path] = ()) -> Path | None:
+    """The first source file of nodes or plugins, in the order of names, that has a pattern.
+
+    Files that are `ported` have it no longer.
+    """
     for file in sorted(folder.rglob("*")):
-        if file.suffix not in _CODE or file.name.endswith(".launch.py"):
+        if file.suffix not in _CODE or file.name.endswith(".launch.py") or file in ported:
             continue
         try:
             data = read_regular(file, _CODE_LIMIT)
@@ -78,13 +81,14 @@ def naming(package: str) -> bytes:
     return rf"\b{package}\b".encode()
 
 
-def port_manifest(
+def port_manifest(  # noqa: PLR0913  three have defaults
     source: SourceText,
     target: Target,
     needs: frozenset[str],
     *,
     workspace: Collection[str] = (),
     has_models: bool = False,
+    ported: Collection[Path] = (),
 ) -> FilePort:
     """Declare what a package needs in the place of what it needed for Gazebo Classic.
 
@@ -95,12 +99,16 @@ def port_manifest(
         workspace: The names of all packages of the workspace.
         has_models: `package://` or `model://` addresses name files of this package, so that Gazebo
             must find its folder.
+        ported: Programs that call services of Gazebo Classic no longer.
     """
     root, top = top_of(source)
     if root is None or root.end is None:
         return FilePort()
+    user = (
+        code_with(source.file.parent, naming(MESSAGES), ported) if MESSAGES in source.text else None
+    )
     declared = [
-        Declared(tag, name, _successor(name, target, workspace, source.file.parent))
+        Declared(tag, name, _successor(name, target, workspace, calls_classic=user is not None))
         for tag in top
         if tag.name.endswith("depend") and tag.end is not None and (name := text_of(source, tag))
         if "condition" not in tag.attributes
@@ -116,18 +124,20 @@ def port_manifest(
     if has_models:
         edits += _searched(source, top)
     return FilePort(
-        edits=tuple(edits), unported=tuple(_unported(source, declared, target, workspace))
+        edits=tuple(edits), unported=tuple(_unported(source, declared, target, workspace, user))
     )
 
 
-def _successor(name: str, target: Target, workspace: Collection[str], folder: Path) -> str:
+def _successor(
+    name: str, target: Target, workspace: Collection[str], *, calls_classic: bool
+) -> str:
     """What a dependency becomes: the same where it stays."""
     released = released_packages()
     if name in workspace or name not in SUCCESSORS:
         return name
     instead = SUCCESSORS[name]
     if name == MESSAGES:
-        return name if code_with(folder, naming(name)) else ""
+        return name if calls_classic else ""
     is_of_gazebo = name in FOR_GAZEBO_SIM or name in _KEYS
     if not is_of_gazebo and target.distro in released.get(name, ()):
         return name
@@ -182,7 +192,11 @@ def _searched(source: SourceText, top: list[Tag]) -> list[Edit]:
 
 
 def _unported(
-    source: SourceText, declared: list[Declared], target: Target, workspace: Collection[str]
+    source: SourceText,
+    declared: list[Declared],
+    target: Target,
+    workspace: Collection[str],
+    user: Path | None,
 ) -> Iterator[Unported]:
     """What stays and is not released for the target, and what is for Gazebo Classic alone."""
     released, keys = released_packages(), rosdep_keys()
@@ -194,7 +208,6 @@ def _unported(
         line = source.line_at(one.tag.start.start)
         distros = released.get(one.name)
         if one.name == MESSAGES:
-            user = code_with(source.file.parent, naming(one.name))
             yield Unported(
                 source.file,
                 line,

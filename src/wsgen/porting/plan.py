@@ -36,6 +36,7 @@ from wsgen.porting.parameters import port_parameters
 from wsgen.porting.plugins import port_effort
 from wsgen.porting.ported import FilePort, Unported, joined
 from wsgen.porting.porter import MODEL, NAMESPACE, WORLD, Mounted, Porter, Robots
+from wsgen.porting.programs import port_program
 from wsgen.porting.worlds import model_names, new_world, port_world
 from wsgen.text.files import list_files, real_path, remembering
 
@@ -65,8 +66,7 @@ _OF_YAML = (".yaml", ".yml")
 _HOOKS = (".sh", ".sh.in", ".dsv", ".dsv.in")
 _CODE = (".cpp", ".cc", ".cxx", ".c", ".hpp", ".hh", ".h")
 _OF_CLASSIC = re.compile(
-    r"#include\s*[<\"](?:gazebo/|ignition/math|gazebo_ros/|gazebo_plugins/)"
-    r"|\bgazebo_msgs\b|/spawn_entity\b"
+    r"#include\s*[<\"](?:gazebo/|ignition/math|gazebo_ros/|gazebo_plugins/)|\bgazebo_msgs\b"
 )
 
 
@@ -104,6 +104,10 @@ class _Port:
     def add(self, source: SourceText, port: FilePort) -> None:
         self.ports[source.file].append(port)
 
+    def is_program(self, file: Path) -> bool:
+        """Whether a file is a program that is ported."""
+        return bool(joined(self.ports.get(file, ())).services)
+
     def all(self) -> FilePort:
         return joined(port for ports in self.ports.values() for port in ports)
 
@@ -134,7 +138,10 @@ def plan_port(targets: Targets, target: Target, environment: Mapping[str, str]) 
         any_rows = [*dict.fromkeys(row for port in ports for row in _fixed_rows(port, target))]
         stampers = [one for port in ports for one in _port_parameters(port, target)]
         stampers = [_as_renamed(one, ports) for one in stampers]
-        rows = launches.rows(target, robots)
+        for port in ports:
+            _port_programs(port)
+        services = joined(port.all() for port in ports).services
+        rows = launches.rows(target, robots, services)
         known = _Known(rows, any_rows, systems, stampers)
         for port in ports:
             _port_worlds(port, target, systems, models)
@@ -216,15 +223,23 @@ class _Launches:
             ),
         )
 
-    def rows(self, target: Target, robots: Robots) -> dict[str, dict[int, list[BridgeRow]]]:
-        """The topics of the robots that spawners put into the simulator, by real path and line."""
+    def rows(
+        self, target: Target, robots: Robots, services: Collection[BridgeRow]
+    ) -> dict[str, dict[int, list[BridgeRow]]]:
+        """The topics of the robots that spawners put into the simulator, by real path and line.
+
+        Args:
+            target: The distribution, with Gazebo Sim.
+            robots: What is known of them.
+            services: Those of the world that programs call.
+        """
         found: dict[str, dict[int, list[BridgeRow]]] = defaultdict(lambda: defaultdict(list))
         for launch_file, texts in self._worlds.items():
             found[launch_file][OF_WORLD] += dict.fromkeys(
                 row._replace(gz_topic=row.gz_topic.replace(WORLD, name))
                 for text in texts
                 for name in _names_of_worlds(text)
-                for row in _rows_of_world(text, self._models, target, robots)
+                for row in (*services, *_rows_of_world(text, self._models, target, robots))
             )
         for (launch_file, line), spawns in self._spawns.items():
             texts = self._worlds.get(launch_file) or set().union(*self._worlds.values()) or {""}
@@ -359,6 +374,13 @@ def _port_worlds(
             port.add(source, port_world(source, target, systems, models=models))
 
 
+def _port_programs(port: _Port) -> None:
+    for source in port.files((".py",)):
+        made = None if source.file.name.endswith(LAUNCH_FILES) else port_program(source)
+        if made is not None:
+            port.add(source, made)
+
+
 def _port_parameters(port: _Port, target: Target) -> Iterator[Stamper]:
     for source in port.files(_OF_YAML):
         made, stampers = port_parameters(source, target)
@@ -413,7 +435,7 @@ def _port_launch_files(ports: Sequence[_Port], target: Target, known: _Known) ->
         found = set()
         for port, context in rounds:
             for source in port.files((".py",)):
-                if source.file.name == "setup.py":
+                if source.file.name == "setup.py" or port.is_program(source.file):
                     continue
                 if before is not None and not any(name in source.text for name in before):
                     continue
@@ -452,7 +474,7 @@ def _context(port: _Port, target: Target, known: _Known) -> Callable[[SourceText
 def _list_code(port: _Port) -> None:
     """List what programs of the package use of Gazebo Classic."""
     for source in port.files((*_CODE, ".py")):
-        if source.file.name.endswith(LAUNCH_FILES):
+        if source.file.name.endswith(LAUNCH_FILES) or port.is_program(source.file):
             continue
         found = _OF_CLASSIC.search(source.text)
         if found is not None:
@@ -479,6 +501,7 @@ def _port_build(port: _Port, target: Target, ports: Sequence[_Port], *, is_simul
             made.packages,
             workspace=[one.package.name for one in ports],
             has_models=has_models,
+            ported=[*filter(port.is_program, port.ports)],
         ),
         "CMakeLists.txt": lambda source: port_cmake(source, folders),
         "setup.py": lambda source: port_setup(source, folders),

@@ -47,6 +47,7 @@ class FilePort(NamedTuple):
     files: frozenset[str] = frozenset()  # that the package must now have, below its folder
     worlds: frozenset[str] = frozenset()  # the arguments of a launch file that are worlds
     efforts: tuple[Effort, ...] = ()
+    services: frozenset[BridgeRow] = frozenset()  # of worlds, that programs call
 
 
 def joined(ports: Iterable[FilePort]) -> FilePort:
@@ -59,5 +60,6 @@ def joined(ports: Iterable[FilePort]) -> FilePort:
         systems=frozenset().union(*(one.systems for one in listed)),
         files=frozenset().union(*(one.files for one in listed)),
         worlds=frozenset().union(*(one.worlds for one in listed)),
+        services=frozenset().union(*(one.services for one in listed)),
         efforts=tuple(found for one in listed for found in one.efforts),
     )
