@@ -92,6 +92,30 @@ class NewCommand(ExampleCommand):
     is_flag=True,
     help="With --from: also copy meshes that are outside of PATH.",
 )
+@click.option(
+    "--control",
+    type=Choice(["none", "position", "velocity", "effort", "diff_drive"]),
+    default="none",
+    show_default=True,
+    help="With --from: what moves the joints.",
+)
+@click.option(
+    "--wheel",
+    "wheels",
+    multiple=True,
+    metavar="SIDE:JOINT",
+    help="With --control diff_drive: a wheel that is driven, as left:JOINT or right:JOINT.",
+)
+@click.option(
+    "--sensor",
+    "sensors",
+    multiple=True,
+    metavar="KIND:LINK",
+    help="With --from: sensor on a link, as lidar:LINK, camera:LINK or imu:LINK.",
+)
+@click.option(
+    "--bolted", is_flag=True, help="With --from: fix the root link of the robot to the ground."
+)
 @click.option("--description", metavar="TEXT", help="Description of the package.")
 @click.option(
     "--license",
@@ -128,6 +152,10 @@ def command(
     source: str | None,
     arguments: tuple[str, ...],
     copy_outside: bool,
+    control: str,
+    wheels: tuple[str, ...],
+    sensors: tuple[str, ...],
+    bolted: bool,
     description: str | None,
     license_name: str,
     maintainer_name: str | None,
@@ -163,19 +191,23 @@ def command(
     }
     announce = partial(announce_place, given=workspace)
     existing = None
+    words: dict[str, Any] = {
+        "--arg": arguments,
+        "--copy-outside": copy_outside,
+        "--control": "" if control == "none" else control,
+        "--wheel": wheels,
+        "--sensor": sensors,
+        "--bolted": bolted,
+    }
     if source is None:
-        _refuse_without_source({"--arg": arguments, "--copy-outside": copy_outside})
+        _refuse_without_source(words)
         created = create(
             name, template_name=template, is_dry_run=dry_run, announce=announce, **request
         )
     else:
+        request["settings"] = (f"control={control}",)
         existing = _create_existing(
-            ctx,
-            name,
-            (source, arguments, copy_outside),
-            request,
-            is_dry_run=dry_run,
-            announce=announce,
+            ctx, name, source, words, request, is_dry_run=dry_run, announce=announce
         )
         created = existing.created
     _print_notes(created, verbose=verbose)
@@ -210,7 +242,8 @@ def _refuse_without_source(given: Mapping[str, object]) -> None:
 def _create_existing(
     ctx: click.Context,
     name: str,
-    words: tuple[str, tuple[str, ...], bool],
+    source: str,
+    words: Mapping[str, Any],
     request: Mapping[str, Any],
     *,
     is_dry_run: bool,
@@ -221,6 +254,7 @@ def _create_existing(
 
     from wsgen.cli.words import split_launch_arguments
     from wsgen.pipeline.create import plan_new
+    from wsgen.porting.existing.extensions import Wanted
     from wsgen.porting.existing.package import TEMPLATE, ExistingRequest, create_existing
     from wsgen.templating.template import load_template
 
@@ -234,14 +268,16 @@ def _create_existing(
                 hint=f"Omit {option}, or --from.",
             )
     planned = plan_new(name, template=load_template(TEMPLATE, may_be_abstract=True), **request)
-    source, arguments, copy_outside = words
+    control = words["--control"] or "none"
     return create_existing(
         planned,
         ExistingRequest(
             source,
-            arguments=split_launch_arguments(arguments),
-            copy_outside=copy_outside,
+            arguments=split_launch_arguments(words["--arg"]),
+            copy_outside=words["--copy-outside"],
             keeps_license=not is_given("license_name"),
+            wanted=Wanted(control, words["--wheel"], words["--sensor"]),
+            is_bolted=words["--bolted"],
         ),
         environment=os.environ,
         is_dry_run=is_dry_run,

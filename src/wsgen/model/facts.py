@@ -131,6 +131,7 @@ PLUGINS: dict[str, dict[str, tuple[str, str, str]]] = {
             "libgazebo_ros_joint_state_publisher.so",
             "gazebo_ros_joint_state_publisher",
         ),
+        "camera_sensor": ("GRP", "libgazebo_ros_camera.so", "gazebo_ros_camera"),
         "imu_sensor": ("GRP", "libgazebo_ros_imu_sensor.so", "gazebo_ros_imu_sensor"),
         "ray_sensor": ("GRP", "libgazebo_ros_ray_sensor.so", "gazebo_ros_ray_sensor"),
         "ros2_control": ("GR2C", "libgazebo_ros2_control.so", "gazebo_ros2_control"),

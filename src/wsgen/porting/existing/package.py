@@ -3,27 +3,33 @@
 from __future__ import annotations
 
 import itertools
+import math
 import re
 import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.checks.fixes.source import SourceText, apply
 from wsgen.checks.rules.entities import lowest_point
 from wsgen.descriptions.meshes.lookup import find_meshes
+from wsgen.descriptions.urdf.lumping import WORLD
 from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.descriptions.xacro.reader import expand_file
 from wsgen.diagnostics import Severity, has_errors
-from wsgen.errors import NotReadableError
+from wsgen.errors import NotReadableError, RequestError
+from wsgen.gazebo.systems import plugin_of
 from wsgen.isolation.parent import make_scratch, run
 from wsgen.model.kinematics import link_poses
 from wsgen.model.robot import Box, Capsule, Cylinder, Mesh, Sphere
+from wsgen.model.target import SIM
 from wsgen.model.transform import IDENTITY, compose, rotation_of_rpy
 from wsgen.packages.source_shares import serve_sources
 from wsgen.packages.workspace.overlay import overlay_of
 from wsgen.pipeline.create import write_new
 from wsgen.pipeline.prepare import PrepareContext, prepare_robot, share_on_model_path
 from wsgen.porting.existing.comparison import compare
+from wsgen.porting.existing.extensions import DIFF_DRIVE, Extensions, Wanted, extend
 from wsgen.porting.existing.kept_xacro import FOLDER, KeptFiles, NotKeptError, keep_files
 from wsgen.porting.existing.reading import KINDS, read_robot, refuse
 from wsgen.porting.existing.resources import (
@@ -34,6 +40,9 @@ from wsgen.porting.existing.resources import (
     usable,
 )
 from wsgen.porting.existing.sources import open_source
+from wsgen.porting.models import bridge_rows, port_model
+from wsgen.porting.ported import FilePort, joined
+from wsgen.porting.porter import MODEL, NAMESPACE
 from wsgen.templating.render import render_package, render_tree
 from wsgen.templating.spec import license_names
 from wsgen.text.files import read_regular_text
@@ -56,7 +65,7 @@ if TYPE_CHECKING:
 
 
 TEMPLATE = "existing"
-MAIN = "model/robot.xacro"
+MAIN, EXTENSIONS = "model/robot.xacro", "model/robot.gazebo"
 _NOT_NEEDED = ("model/inertia.xacro",)  # of the files of other templates
 _CLEARANCE = 0.005  # m, under the robot when it is spawned
 _LICENSE = re.compile(r"<license[^>]*>([^<]+)</license>")
@@ -71,6 +80,8 @@ class ExistingRequest(NamedTuple):
     arguments: Mapping[str, str] = {}  # of a xacro file
     copy_outside: bool = False  # also files that are not of the source
     keeps_license: bool = True  # that of the source, if it names one
+    wanted: Wanted = Wanted()
+    is_bolted: bool = False  # to the ground, by its root link
 
 
 class ExistingRobot(NamedTuple):
@@ -130,7 +141,7 @@ def create_existing(
             source.kind,
             tuple(making.rows),
             tuple(making.notes),
-            description.notes,
+            tuple(making.unported),
             tuple(making.diagnostics),
         )
 
@@ -154,19 +165,28 @@ class _Making:
         self.resources = place_files(description.meshes, source)
         self.rows: list[ComparedRow] = []
         self.notes: list[str] = []
+        self.unported = list(description.notes)
         self.diagnostics: list[Diagnostic] = []
+        self.extensions = Extensions()
+        self.ported = FilePort()  # of the plugins for Gazebo Classic
+        self.root = ""  # the link that is bolted
 
     def make(self) -> PackageTree:
         """The files of the package; what is compared and reported comes with them."""
-        written = self._written()
-        robot, found = self._read(self.description.text)
+        written = self._port(self._written(), self.source.file)
+        robot, found = self._read(written)
         if robot is None:
             refuse(found, self.source)
+        assert robot is not None  # noqa: S101  else it was refused
+        laid = self.scratch / "package" / self.spec.name
+        self._extend(robot, written, laid)
         texts, text = self._choose_texts(written)
         files: dict[str, str | bytes | Path] = {**self.resources.files, **texts.more, **texts.files}
-        laid = self.scratch / "package" / self.spec.name
         prepared = self._prepare(text, laid)
-        self.rows = compare(self._with_meshes(), self._located(prepared.written, laid))
+        self.rows = compare(
+            self._with_meshes(), self._located(_without_link(prepared.written, self.root), laid)
+        )
+        self.unported += dict.fromkeys(self.ported.unported)
         self._note_files()
         license_text = self._take_license()
         if license_text is not None:
@@ -180,6 +200,56 @@ class _Making:
         folders = (*self.source.roots, *self.source.packages.values())
         references = find_references(self.description.text, folders)
         return rewrite(self.description.text, references, self._new_name)
+
+    def _port(self, text: str, file: Path) -> str:
+        """The text with what Gazebo Sim has in place of plugins and sensors for Gazebo Classic."""
+        target = self.spec.target
+        if target.simulator != SIM or "<gazebo" not in text:
+            return text
+        port = port_model(SourceText(file, text), target)
+        self.ported = joined((self.ported, port))
+        return apply(text, port.edits)
+
+    def _extend(self, robot: Robot, written: str, laid: Path) -> None:
+        """Choose what the simulator needs beside the robot."""
+        wanted, target, name = self.request.wanted, self.spec.target, self.spec.name
+        if self.request.is_bolted:
+            self.root = self._bolted(robot)
+        lumped = robot
+        if wanted.control == DIFF_DRIVE:
+            prepared = self._prepare(self._expand(self._alone(written)), laid)
+            robot, lumped = prepared.readable or robot, prepared.lumped
+        extensions = extend(robot, lumped, wanted, target, name)
+        rows = []
+        if target.simulator == SIM:
+            rows = bridge_rows(self._written(), target)
+        own = [
+            one._replace(
+                gz_topic=one.gz_topic.replace(MODEL, name).replace(NAMESPACE, ""),
+                ros_topic=one.ros_topic.replace(MODEL, name).replace(NAMESPACE, ""),
+            )
+            for one in rows
+        ]
+        self.extensions = extensions._replace(
+            bridge=tuple(dict.fromkeys((*own, *extensions.bridge))),
+            systems=extensions.systems | self.ported.systems,
+            packages=extensions.packages | self.ported.packages,
+        )
+        needed = dict(self.spec.dependencies)
+        known = {one for names in needed.values() for one in names}
+        more = self.extensions.packages - known
+        needed["exec_depend"] = tuple(sorted((*needed.get("exec_depend", ()), *more)))
+        self.spec = replace(self.spec, dependencies=needed)
+        if self.extensions.is_empty:
+            self.template = _without(self.template, (EXTENSIONS,))
+
+    def _bolted(self, robot: Robot) -> str:
+        if any(link.name == WORLD for link in robot.links):
+            raise RequestError(
+                "--bolted: the robot has a link `world` already.",
+                hint="Omit --bolted: a root link of that name is fixed to the ground.",
+            )
+        return robot.root
 
     def _new_name(self, name: str) -> str | None:
         place = self.resources.names.get(name)
@@ -209,10 +279,12 @@ class _Making:
     def _keep(self, written: str) -> tuple[KeptFiles, str]:
         """The files of xacro, and what they expand to, which must be the robot."""
         kept = keep_files(self.source, self.resources, self.spec.name)
+        ported = {path: self._port(text, Path(path)) for path, text in kept.files.items()}
+        kept = kept._replace(files=ported)
         expanded = self._expand(kept)
         here = f"$(find {self.spec.name})"
         wanted = written.replace(here, str(self.scratch / "package" / self.spec.name))
-        if _inside(expanded) != _inside(wanted):
+        if not _inside(expanded).startswith(_inside(wanted)):
             raise NotKeptError("with the names of the package they become another robot")
         count = len(kept.files)
         files = "file" if count == 1 else f"files ({count})"
@@ -223,8 +295,8 @@ class _Making:
         """The robot as one URDF; xacro, which includes it, finds no expressions in it."""
         own = f"$(find {self.spec.name})/{CONFIG}/"
         escaped = _EXPRESSION.sub("$$", written.replace(own, "\0")).replace("\0", own)
-        name = self.source.file.name.removesuffix(".xacro").removesuffix(".urdf")
-        main = f"{FOLDER}/{usable(name)}.urdf"
+        name = self.source.file.name.removesuffix(".xml").removesuffix(".xacro")
+        main = f"{FOLDER}/{usable(name.removesuffix('.urdf'))}.urdf"
         return KeptFiles(main, {main: escaped}, {})
 
     def _expand(self, texts: KeptFiles) -> str:
@@ -232,9 +304,11 @@ class _Making:
         laid = self.scratch / "package" / self.spec.name
         shutil.rmtree(laid.parent, ignore_errors=True)
         _lay_out({**self.resources.files, **texts.more, **texts.files}, laid)
-        robot = {"file": texts.main, "arguments": self.request.arguments}
         model, _ = render_tree(
-            self.spec, self.template, wanted=lambda path: path == MAIN, added={"robot": robot}
+            self.spec,
+            self.template,
+            wanted=lambda path: path in {MAIN, EXTENSIONS},
+            added={"robot": self._facts_of_model(texts)},
         )
         _lay_out(model, laid)
         place = self.scratch / "of_package"
@@ -274,7 +348,7 @@ class _Making:
     def _prepare(self, text: str, laid: Path) -> PreparedRobot:
         """The robot as the simulator has it, with what wsgen reports of it."""
         meshes = self.scratch / "meshes"
-        meshes.mkdir()
+        meshes.mkdir(exist_ok=True)
         context = PrepareContext(share_of=self._share_of(laid), folder=meshes, run=run)
         target = self.spec.target
         prepared, found = prepare_robot(
@@ -306,11 +380,19 @@ class _Making:
         height = 0.0 if robot.fixed_to_world else _CLEARANCE - _lowest(prepared.lumped)
         places = [pose.xyz for pose in link_poses(robot, IDENTITY).values()]
         extent = max((abs(value) for xyz in places for value in xyz), default=0.0)
+        drive = self.extensions.drive
+        distance = 0.9  # m, in the time of the behavior
         return {
-            "file": texts.main,
-            "arguments": self.request.arguments,
+            **self._facts_of_model(texts),
             "name": self.description.name,
             "root": robot.root,
+            "bridge": self.extensions.bridge,
+            "systems": [_loaded(one) for one in sorted(self.extensions.systems)],
+            "driven": [
+                round(distance * part(drive.ahead), 3) + 0.0 for part in (math.cos, math.sin)
+            ]
+            if drive
+            else [],
             "height": f"{height:.4f}".rstrip("0").ljust(3, "0"),
             "distance": max(1.0, round(2.5 * extent, 1)),
             "source": self.source.file.name,
@@ -322,7 +404,17 @@ class _Making:
             "meshes": sum(path.startswith("meshes/") for path in self.resources.files),
             "rows": self.rows,
             "notes": self.notes,
-            "unported": self.description.notes,
+            "unported": self.unported,
+        }
+
+    def _facts_of_model(self, texts: KeptFiles) -> Mapping[str, object]:
+        robot, _ = self._read(self.description.text)
+        return {
+            "file": texts.main,
+            "arguments": self.request.arguments,
+            "extensions": self.extensions,
+            "bolted": self.root,
+            "root": self.root or (robot.root if robot else ""),
         }
 
     def _note_files(self) -> None:
@@ -389,6 +481,14 @@ class _Making:
         )
 
 
+def _loaded(system: str) -> str:
+    """The element that has a world load a system."""
+    element = plugin_of(system)
+    if system != "Sensors":
+        return element
+    return f"{element[:-2]}>\n      <render_engine>ogre2</render_engine>\n    </plugin>"
+
+
 def _without(template: Template, paths: tuple[str, ...]) -> Template:
     """A template that makes some files less."""
     return template._replace(
@@ -420,6 +520,18 @@ def _with_paths(robot: Robot, paths: Mapping[str, str]) -> Robot:
         for link in robot.links
     )
     return replace(robot, links=tuple(links))
+
+
+def _without_link(robot: Robot, bolted: str) -> Robot:
+    """A robot without the link `world` that it was bolted to, if it was."""
+    if not bolted:
+        return robot
+    return replace(
+        robot,
+        root=bolted,
+        links=tuple(one for one in robot.links if one.name != WORLD),
+        joints=tuple(one for one in robot.joints if one.parent != WORLD),
+    )
 
 
 def _lowest(robot: Robot) -> float:

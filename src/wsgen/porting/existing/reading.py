@@ -12,7 +12,13 @@ from wsgen.diagnostics import Severity
 from wsgen.errors import NotReadableError, RequestError
 from wsgen.packages.source_shares import serve_sources
 from wsgen.porting.existing.description import Description
-from wsgen.porting.existing.resources import find_files, find_references, usable
+from wsgen.porting.existing.mjcf import read_mjcf
+from wsgen.porting.existing.resources import (
+    find_files,
+    find_references,
+    refuse_outside,
+    usable,
+)
 from wsgen.text.files import read_regular
 from wsgen.text.xmltree import Malformed, parse
 
@@ -54,9 +60,14 @@ def read_robot(  # noqa: PLR0913  what is asked for, and where
         NotFoundError: A mesh does not exist.
         RequestError: A file is not of the source.
     """
-    if source.kind not in {"urdf", "xacro"}:
+    if source.kind == "mjcf":
+        description = read_mjcf(source.file, folder=source.roots[0])
+        if not copy_outside:
+            refuse_outside(description.meshes, source)
+        return source, description, ()
+    if source.kind == "sdf":
         raise RequestError(
-            f"{source.shown} is {KINDS[source.kind]}: wsgen makes packages of URDF and xacro.",
+            f"{source.shown} is an SDF model: wsgen makes packages of URDF, xacro and MJCF.",
             hint="Convert it to a URDF.",
         )
     text = _named(_read(source, arguments, environment, scratch), source.file)

@@ -114,8 +114,21 @@ def find_files(
             missing[one.uri] = None
     if missing and not skip_missing:
         raise _not_found([*missing], source)
-    outside = {uri: path for uri, path in found.items() if not source.owns(path)}
-    if outside and not copy_outside:
+    if not copy_outside:
+        refuse_outside(found, source)
+    return found, tuple(missing)
+
+
+def refuse_outside(files: Mapping[str, Path | bytes], source: Source) -> None:
+    """Stop where files are not of the source.
+
+    Raises:
+        RequestError: One is outside of it.
+    """
+    outside = {
+        uri: path for uri, path in files.items() if isinstance(path, Path) and not source.owns(path)
+    }
+    if outside:
         uri, path = next(iter(outside.items()))
         count = "" if len(outside) == 1 else f" and {len(outside) - 1} more"
         raise RequestError(
@@ -123,7 +136,6 @@ def find_files(
             hint="Add --copy-outside to copy them into the package, or give the folder that has"
             " them all. Look at their license first.",
         )
-    return found, tuple(missing)
 
 
 def _not_found(missing: Sequence[str], source: Source) -> NotFoundError:
