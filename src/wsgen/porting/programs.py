@@ -10,12 +10,13 @@ import ast
 import re
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.checks.fixes.launch_files import name_of, tree_of
+from wsgen.checks.fixes.launch_files import tree_of
 from wsgen.checks.fixes.source import Edit
 from wsgen.porting.ported import BridgeRow, FilePort
 from wsgen.porting.porter import WORLD
 from wsgen.porting.python_edits import PythonEdits, argument
 from wsgen.porting.topics import absolute
+from wsgen.text.pythontree import name_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
