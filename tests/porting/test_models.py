@@ -17,7 +17,13 @@ from wsgen.checks.rules.node_topics import topics_of
 from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.diagnostics import Severity
 from wsgen.model.target import choose_target
-from wsgen.porting.models import bridge_rows, find_followers, plugins_of, port_model
+from wsgen.porting.models import (
+    bridge_rows,
+    find_followers,
+    find_paints,
+    plugins_of,
+    port_model,
+)
 from wsgen.porting.porter import Follower, Mounted, Robots
 from wsgen.text.xmltree import Malformed, parse
 
@@ -1096,3 +1102,89 @@ def test_leaves_plugins_of_worlds_alone() -> None:
     )
     port = port_model(SourceText(FILE, text), JAZZY)
     assert (port.edits, port.unported) == ((), ())
+
+
+SCRIPT = """
+material Wall/Brick // of the house
+{
+  technique
+  {
+    pass
+    {
+      ambient 0.5 0.25 1.0 1.0
+      diffuse 0.5 0.5 0.5 1.0
+      specular 0.2 0.2 0.2 1.0 12.5
+      texture_unit { texture brick.png }
+      texture_unit
+      {
+        texture light.png
+      }
+    }
+  }
+}
+material "Plain Red"
+{
+  diffuse 1 0 0
+}
+"""
+
+
+def test_the_material_of_a_script_becomes_colors_and_an_image(tmp_path: Path) -> None:
+    for name in ("house/model.config", "house/materials/textures/brick.png"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    scripts = tmp_path / "house" / "materials" / "scripts"
+    scripts.mkdir()
+    (scripts / "a.material").write_text(SCRIPT)
+    paints = {name: [paint] for name, paint in find_paints("p", tmp_path)}
+    assert sorted(paints) == ["Plain Red", "Wall/Brick"]
+    text = dedent(
+        """
+        <visual name="v">
+          <material>
+            <script>
+              <uri>model://house/materials/scripts</uri>
+              <name>Wall/Brick</name>
+            </script>
+          </material>
+        </visual>
+        """
+    )
+    port = port_model(SourceText(FILE, text), JAZZY, Robots(paints=paints))
+    after = dedent(
+        """
+        <visual name="v">
+          <material>
+            <ambient>0.5 0.25 1.0 1</ambient>
+            <diffuse>0.5 0.5 0.5 1</diffuse>
+            <specular>0.2 0.2 0.2 1</specular>
+            <pbr>
+              <metal>
+                <albedo_map>model://house/materials/textures/brick.png</albedo_map>
+              </metal>
+            </pbr>
+          </material>
+        </visual>
+        """
+    )
+    assert apply(text, port.edits) == after
+    assert port.unported == ()
+    robot = "<robot>\n  <gazebo reference='a'>\n    <material>Plain Red</material>\n  </gazebo>\n</robot>\n"
+    port = port_model(SourceText(FILE, robot), JAZZY, Robots(paints=paints))
+    colors = "<diffuse>1 0 0 1</diffuse>\n        <specular>0 0 0 1</specular>\n      </material>"
+    assert colors in apply(robot, port.edits)
+
+
+def test_of_two_materials_that_of_the_named_model_counts(tmp_path: Path) -> None:
+    paints = []
+    for model in ("first", "second"):
+        folder = tmp_path / model / "materials" / "scripts"
+        folder.mkdir(parents=True)
+        (tmp_path / model / "model.config").touch()
+        (folder / "a.material").write_text(f"material same {{ diffuse 0.{len(model)} 0 0 1\n}}\n")
+        paints = [paint for _, paint in find_paints("p", tmp_path)]
+    text = (
+        "<material><script><uri>model://second/materials</uri><name>same</name></script></material>"
+    )
+    port = port_model(SourceText(FILE, text), JAZZY, Robots(paints={"same": paints}))
+    assert "<diffuse>0.6 0 0 1</diffuse>" in apply(text, port.edits)

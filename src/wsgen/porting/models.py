@@ -7,14 +7,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.checks.fixes.source import SourceText
+from wsgen.descriptions.sdf.textures import image_in, read_script
 from wsgen.gazebo.successors import SPECULARS, TEXTURED
 from wsgen.model.facts import ROS2_CONTROL_HARDWARE
 from wsgen.model.robot import GAZEBO_AMBIENTS, GAZEBO_COLORS
 from wsgen.model.target import CLASSIC
+from wsgen.packages.workspace.layout import BUILD_MARKERS
 from wsgen.porting.plugins import port_plugin
-from wsgen.porting.porter import Follower, Porter, number, without_computed
+from wsgen.porting.porter import Follower, Paint, Porter, number, without_computed
 from wsgen.porting.sensors import goes_with_sensor, port_sensor
 from wsgen.porting.xml_edits import COMPUTED, Block, read_nodes
+from wsgen.text.files import list_files
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -30,6 +33,8 @@ _NOT_READ = ("road", "population", "state")  # by Gazebo Sim, whatever is in the
 _HARDWARE = rf"{re.escape(ROS2_CONTROL_HARDWARE[CLASSIC][1])}|ign_ros2_control/IgnitionSystem"
 _COMMENT_OR_HARDWARE = re.compile(rf"<!--.*?(?:-->|\Z)|\b({_HARDWARE})\b", re.DOTALL)
 _SPECULAR = 0.1
+# The colors of OGRE that materials of SDF have, with those of a material that says nothing.
+_OGRE = {"ambient": "1 1 1 1", "diffuse": "1 1 1 1", "specular": "0 0 0 1", "emissive": ""}
 
 
 def port_model(source: SourceText, target: Target, robots: Robots | None = None) -> FilePort:
@@ -44,6 +49,29 @@ def find_followers(text: str) -> Iterator[tuple[str, Follower]]:
         if mimic is not None:
             follower = Follower(mimic.get("joint"), mimic.get("multiplier"))
             yield without_computed(node.get("name")), follower
+
+
+def find_paints(package: str, folder: Path) -> Iterator[tuple[str, Paint]]:
+    """The materials in the scripts of a package, by name, as Gazebo Sim has them."""
+    for script in list_files(folder, (".material",), markers=BUILD_MARKERS):
+        models = (one for one in script.parents if (one / "model.config").is_file())
+        model = next(models, folder)
+        name = package if model == folder else model.name
+        for material, text in read_script(script):
+            image = image_in(text)
+            places = (script.parent.parent / "textures", script.parent, model)
+            files = (place / image for place in places if image)
+            file = next((one for one in files if one.is_file()), None)
+            address = file and f"model://{name}/{file.relative_to(model).as_posix()}"
+            yield material, Paint(name, tuple(_ogre_colors(text)), address or "")
+
+
+def _ogre_colors(text: str) -> Iterator[tuple[str, str]]:
+    for name, default in _OGRE.items():
+        numbers = r"\s+([\d.]+)" * 3
+        found = re.search(rf"(?<!\S){name}{numbers}", text)
+        if found is not None or default:
+            yield name, f"{' '.join(found.groups())} 1" if found else default
 
 
 def bridge_rows(
@@ -179,6 +207,13 @@ def _port_material(port: Porter, material: Node) -> None:
 
 def _colors(port: Porter, node: Node, name: str) -> list[Block]:
     """What Gazebo Sim has instead of the name of a material; nothing if only its author knows."""
+    paints = port.robots.paints.get(name, ()) if name not in GAZEBO_COLORS else ()
+    if paints:
+        addresses = " ".join(one.text for one in node.children("uri"))
+        paint = next((one for one in paints if f"/{one.model}/" in addresses), paints[0])
+        blocks = [Block(*one) for one in paint.colors]
+        image = Block("metal", [Block("albedo_map", paint.image)])
+        return [*blocks, Block("pbr", [image])] if paint.image else blocks
     if name not in GAZEBO_COLORS:
         port.leave_once(
             node,

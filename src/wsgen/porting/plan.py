@@ -31,7 +31,7 @@ from wsgen.porting.build_files import port_cmake, port_hook, port_setup
 from wsgen.porting.launch_files import OF_WORLD, Context, WorldTaker, port_launch_file
 from wsgen.porting.launch_markup import port_markup
 from wsgen.porting.manifests import port_manifest
-from wsgen.porting.models import bridge_rows, find_followers, plugins_of, port_model
+from wsgen.porting.models import bridge_rows, find_followers, find_paints, plugins_of, port_model
 from wsgen.porting.parameters import port_parameters
 from wsgen.porting.plugins import port_effort
 from wsgen.porting.ported import FilePort, Unported, joined
@@ -129,8 +129,12 @@ def plan_port(targets: Targets, target: Target, environment: Mapping[str, str]) 
             for source in port.files(_OF_XML)
             for one in find_followers(source.text)
         )
+        paints = defaultdict(list)
         for port in ports:
-            _port_models(port, target, robots._replace(followers=followers))
+            for name, paint in find_paints(port.package.name, port.package.path):
+                paints[name].append(paint)
+        for port in ports:
+            _port_models(port, target, robots._replace(followers=followers, paints=paints))
         _port_efforts(ports, target)
         systems = frozenset().union(*(port.all().systems for port in ports))
         models = {name for port in ports for name in model_names(port.package.path)}
@@ -492,7 +496,12 @@ def _port_build(port: _Port, target: Target, ports: Sequence[_Port], *, is_simul
     folders = frozenset(name.partition("/")[0] for name in made.files if "/" in name)
     address = re.compile(rf"(?:package|model)://{re.escape(port.package.name)}/")
     has_models = is_simulated and any(
-        address.search(source.text) for one in ports for source in one.files(_OF_XML)
+        address.search(text)
+        for one in ports
+        for text in (
+            *(source.text for source in one.files(_OF_XML)),
+            *(edit.text for edit in one.all().edits),
+        )
     )
     calls: dict[str, Callable[[SourceText], FilePort]] = {
         "package.xml": lambda source: port_manifest(

@@ -45,6 +45,14 @@ class Follower(NamedTuple):
     multiplier: str
 
 
+class Paint(NamedTuple):
+    """A material of OGRE, of a script in the workspace."""
+
+    model: str  # the folder that has it
+    colors: tuple[tuple[str, str], ...]  # by element
+    image: str  # its address; empty without one
+
+
 class Robots(NamedTuple):
     """What other files, and robots that launch files spawn, say about those of a file."""
 
@@ -52,6 +60,7 @@ class Robots(NamedTuple):
     # Name and file name of the plugins of robots that spawners put into namespaces.
     scoped: frozenset[tuple[str, str]] = frozenset()
     followers: Mapping[str, Follower] = MappingProxyType({})  # by joint, see `without_computed`
+    paints: Mapping[str, list[Paint]] = MappingProxyType({})  # by name
 
 
 # What `BridgeRow`s have for the names of a robot and its world, and for the namespace that the

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 IMAGES = (".png", ".jpg", ".jpeg")  # that a picture and a page can show
 LONGEST = 1_000_000  # bytes of a script
 _MATERIAL = re.compile(r"^\s*material\s+(?:\"([^\"]+)\"|([^\s:{]+))", re.MULTILINE)
-_TEXTURE = re.compile(r"^\s*texture\s+(?:\"([^\"]+)\"|(\S+))", re.MULTILINE)
+_TEXTURE = re.compile(r"(?<!\S)texture\s+(?:\"([^\"]+)\"|(\S+))")
 
 
 def read_texture(source: Source, includes: Includes, visual: Element) -> str | None:
@@ -68,18 +68,26 @@ def _scripts(places: list[Path]) -> Iterator[Path]:
 
 def _image_of(script: Path, name: str) -> str | None:
     """The first texture of a material, as it is written."""
+    return next((image_in(text) for known, text in read_script(script) if known == name), None)
+
+
+def read_script(file: Path) -> Iterator[tuple[str, str]]:
+    """The materials of a script: their names, and what is said of them."""
     try:
-        text = read_regular(script, LONGEST).decode("utf-8", "replace")
+        text = read_regular(file, LONGEST).decode("utf-8", "replace")
     except (OSError, ValueError):
-        return None
+        return
     text = re.sub(r"//[^\n]*", "", text)
     begins = list(_MATERIAL.finditer(text))
-    for place, begin in enumerate(begins):
-        if (begin[1] or begin[2]) == name:
-            end = begins[place + 1].start() if place + 1 < len(begins) else len(text)
-            texture = _TEXTURE.search(text, begin.end(), end)
-            return None if texture is None else texture[1] or texture[2]
-    return None
+    ends = [*(one.start() for one in begins[1:]), len(text)]
+    for begin, end in zip(begins, ends, strict=False):
+        yield begin[1] or begin[2], text[begin.end() : end]
+
+
+def image_in(text: str) -> str | None:
+    """The first texture in what is said of a material, as it is written."""
+    texture = _TEXTURE.search(text)
+    return None if texture is None else texture[1] or texture[2]
 
 
 def _shown(path: Path | None) -> str | None:
