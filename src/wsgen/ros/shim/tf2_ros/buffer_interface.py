@@ -84,47 +84,19 @@ class BufferInterface:
         )
         return found if new_type is None else convert(found, new_type)
 
-    def lookup_transform(
-        self,
-        target_frame: str,
-        source_frame: str,
-        time: Any,
-        timeout: Any = Duration(),
-    ) -> Any:
+    def lookup_transform(self, *_: Any, **__: Any) -> Any:
         """Where the source frame is in the target frame."""
         raise NotImplementedException
 
-    def lookup_transform_full(
-        self,
-        target_frame: str,
-        target_time: Any,
-        source_frame: str,
-        source_time: Any,
-        fixed_frame: str,
-        timeout: Any = Duration(),
-    ) -> Any:
+    def lookup_transform_full(self, *_: Any, **__: Any) -> Any:
         """Where the source frame was in the target frame of another time."""
         raise NotImplementedException
 
-    def can_transform(
-        self,
-        target_frame: str,
-        source_frame: str,
-        time: Any,
-        timeout: Any = Duration(),
-    ) -> Any:
+    def can_transform(self, *_: Any, **__: Any) -> Any:
         """Whether a lookup would succeed."""
         raise NotImplementedException
 
-    def can_transform_full(
-        self,
-        target_frame: str,
-        target_time: Any,
-        source_frame: str,
-        source_time: Any,
-        fixed_frame: str,
-        timeout: Any = Duration(),
-    ) -> Any:
+    def can_transform_full(self, *_: Any, **__: Any) -> Any:
         """Whether a lookup through a fixed frame would succeed."""
         raise NotImplementedException
 
