@@ -306,6 +306,7 @@ class Joint:
     stop: tuple[float, float] | None = None
     mimic: Mimic | None = None
     is_held: bool = False  # Gazebo's plugin for ros2_control keeps it where it is
+    kept_by: str = ""  # the element of <gazebo> for which sdformat does not lump it, if it is fixed
     line: int | None = None  # of the element in the URDF text, 1-based
 
     @property

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import pytest
 
+from wsgen.descriptions.urdf.extensions import kept_joints
 from wsgen.descriptions.urdf.lumping import lump, parts_of_impossible_sums
 from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.diagnostics import Severity
@@ -48,8 +49,18 @@ def turning(parent: str, child: str, pose: Pose = IDENTITY) -> Joint:
     return replace(fixed(parent, child, pose), type=JointType.CONTINUOUS)
 
 
-def robot(links: list[Link], joints: list[Joint], **more: object) -> Robot:
-    made = Robot(name="r", root=links[0].name, links=tuple(links), joints=tuple(joints))
+def robot(
+    links: list[Link], joints: list[Joint], gazebo: tuple[GazeboTag, ...] = (), **more: object
+) -> Robot:
+    """As it is read: the reader says which joints are kept."""
+    kept = kept_joints(gazebo)
+    made = Robot(
+        name="r",
+        root=links[0].name,
+        links=tuple(links),
+        joints=tuple(replace(joint, kept_by=kept.get(joint.name, "")) for joint in joints),
+        gazebo=gazebo,
+    )
     return replace(made, **more)  # type: ignore[arg-type]
 
 

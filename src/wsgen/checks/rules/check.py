@@ -15,7 +15,6 @@ from wsgen.checks.rules import (
     ros2_control,
 )
 from wsgen.checks.rules.joint_limits import unstable_damping
-from wsgen.descriptions.urdf.lumping import joints_that_say
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -45,9 +44,7 @@ def check_robot(
         simulator=simulator,
         distro=distro,
     )
-    preserved = joints_that_say(written, "preserveFixedJoint") | joints_that_say(
-        written, "disableFixedJointLumping"
-    )
+    preserved = {joint.name for joint in written.joints if joint.kept_by}
     plugin_facts = plugins.PluginFacts(
         tags=written.gazebo,
         joints=written.joints,

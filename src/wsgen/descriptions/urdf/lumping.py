@@ -11,16 +11,17 @@ from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
 from wsgen.descriptions.rules import IMPOSSIBLE_INERTIA, NO_LINK
+from wsgen.descriptions.urdf.extensions import (
+    HELD,
+    LOOSE,
+    extend_joints,
+    extend_links,
+    is_static,
+)
 from wsgen.descriptions.urdf.gazebo import (
     NOT_SIMULATED_HINT,
     NOT_SIMULATED_MESSAGE,
     SDF_NOT_SIMULATED,
-    collides_with_itself,
-    is_static,
-    is_true,
-    with_extensions,
-    with_springs_and_stops,
-    without_effect,
 )
 from wsgen.diagnostics import Measured, Rule, Severity
 from wsgen.model.inertia import (
@@ -31,7 +32,7 @@ from wsgen.model.inertia import (
     is_possible,
     moved,
 )
-from wsgen.model.robot import Inertial, Joint, JointLimit, JointType, Link
+from wsgen.model.robot import Inertial, Joint, JointType, Link
 from wsgen.model.transform import IDENTITY, Pose, compose
 from wsgen.text.values import dataclass
 
@@ -47,12 +48,7 @@ if TYPE_CHECKING:
 NO_MASS = 1e-6  # kg; sdformat before its pull request 1238 took less for 0
 WORLD = "world"  # sdformat's word for what never moves; it knows no other way to say so in a URDF
 NAMED = 8  # at most so many names stand in a message
-# Of a fixed joint whose lumping is disabled: no movement, by any force.
-HELD = JointLimit(lower=0.0, upper=0.0, effort=-1.0, velocity=-1.0)
 OF_ODE = (1.0, 0.0, 0.0, 1.0, 0.0, 1.0)  # kg m²
-# Gazebo makes no joint of these: what hangs on them is loose.
-LOOSE = frozenset((JointType.FLOATING, JointType.PLANAR))
-
 DROPPED_LINK = Rule(
     code="ROB040",
     name="dropped-link",
@@ -254,34 +250,26 @@ def lump(
             robot, bodies, [name for name in dropped if not bodies[name].has_error], file
         ),
     ]
-    tags = _tags_by_reference(robot)
-    collides = collides_with_itself(robot.gazebo)
     links: dict[str, Link] = {}
     for name in kept:
         body = bodies[name]
         links[name] = _link_of(robot, body)
-        about = [tag for part, _ in body.parts for tag in tags.get(part.name, ())]
         if name not in reported:
             diagnostics += _two_zero_masses(robot, body, file)
             diagnostics += _impossible_sum(body, links[name], file)
             diagnostics += _without_inertia(body, links[name], file, for_classic=for_classic)
         if for_classic:
             links[name] = _with_inertia_of_ode(links[name])
-        if body.is_as_meant:
-            diagnostics += _values_without_effect(body, links[name], about, file)
-        links[name] = with_extensions(links[name], about, self_collide=collides)
+    parts = {name: [part.name for part, _ in bodies[name].parts] for name in kept}
+    extended = extend_links(links, parts, robot.gazebo)
+    for name, (link, without_effect) in extended.items():
+        links[name] = link
+        if bodies[name].is_as_meant:
+            diagnostics += _values_without_effect(bodies[name], without_effect, file)
     joints = {joint.child: joint for name in kept for joint in bodies[name].joints}
-    lumped = _assembled(robot, bodies, links, joints, tags)
+    lumped = _assembled(robot, bodies, links, joints)
     lumped = hold_kinematic(lumped) if for_classic else lumped
     return lumped, (*diagnostics, *_balls_not_simulated(lumped, file))
-
-
-def _tags_by_reference(robot: Robot) -> dict[str, list[GazeboTag]]:
-    tags: dict[str, list[GazeboTag]] = {}
-    for tag in robot.gazebo:
-        if tag.reference:
-            tags.setdefault(tag.reference, []).append(tag)
-    return tags
 
 
 def _link_of(robot: Robot, body: Body) -> Link:
@@ -309,19 +297,13 @@ def _assembled(
     bodies: Mapping[str, Body],
     links: Mapping[str, Link],
     joints: Mapping[str, Joint],
-    tags: Mapping[str, list[GazeboTag]],
 ) -> Robot:
-    preserved = joints_that_say(robot, "preserveFixedJoint")
-    held = joints_that_say(robot, "disableFixedJointLumping") - preserved
     body_of = {part.name: name for name, body in bodies.items() for part, _ in body.parts}
-    left = [
-        with_springs_and_stops(
-            _as_gazebo_has_it(joints[joint.child], held), tags.get(joint.name, ())
-        )
-        for joint in robot.joints
-        if joint.child in joints and joint.child in links
-    ]
-    left = [_on_ball(joint, robot.gazebo, body_of) for joint in left]
+    left = extend_joints(
+        (joints[one.child] for one in robot.joints if one.child in joints and one.child in links),
+        robot.gazebo,
+        body_of,
+    )
     return replace(
         robot,
         links=tuple(links[link.name] for link in robot.links if link.name in links),
@@ -379,29 +361,6 @@ def hold_kinematic(robot: Robot) -> Robot:
     )
 
 
-def _on_ball(joint: Joint, tags: Sequence[GazeboTag], body_of: Mapping[str, str]) -> Joint:
-    """What would be loose, on the ball joint of SDF that holds it where the URDF has it."""
-    ball = next(
-        (
-            one
-            for one in (one for tag in tags for one in tag.joints if one.is_ball)
-            if one.ends.get("child") == joint.child
-            and body_of.get(one.ends.get("parent", "")) == joint.parent
-        ),
-        None,
-    )
-    if ball is None or joint.type not in LOOSE:
-        return joint
-    return Joint(
-        name=ball.name,
-        type=JointType.BALL,
-        parent=joint.parent,
-        child=joint.child,
-        pose_in_parent=joint.pose_in_parent,
-        line=ball.line,
-    )
-
-
 def _balls_not_simulated(lumped: Robot, file: Path | None) -> Iterator[Diagnostic]:
     """Ball joints of SDF in `<gazebo>` that hold nothing that would be loose without them."""
     made = {joint.line for joint in lumped.joints if joint.type is JointType.BALL}
@@ -414,13 +373,6 @@ def _balls_not_simulated(lumped: Robot, file: Path | None) -> Iterator[Diagnosti
                 message=NOT_SIMULATED_MESSAGE.format("joint"),
                 hint=NOT_SIMULATED_HINT,
             )
-
-
-def _as_gazebo_has_it(joint: Joint, held: set[str]) -> Joint:
-    """A fixed joint whose lumping is disabled becomes a revolute one that cannot turn."""
-    if joint.type is not JointType.FIXED or joint.name not in held:
-        return joint
-    return replace(joint, type=JointType.REVOLUTE, limit=HELD, axis_in_joint=(0.0, 0.0, 1.0))
 
 
 @dataclass
@@ -525,11 +477,11 @@ def _bodies_of(robot: Robot) -> dict[str, Body]:
 
 def _kept_joints(robot: Robot) -> set[str]:
     """The fixed joints that sdformat does not lump."""
-    return (
-        joints_that_say(robot, "preserveFixedJoint")
-        | joints_that_say(robot, "disableFixedJointLumping")
-        | {joint.name for joint in robot.joints if robot.fixed_to_world and joint.parent == WORLD}
-    )
+    return {
+        joint.name
+        for joint in robot.joints
+        if joint.kept_by or (robot.fixed_to_world and joint.parent == WORLD)
+    }
 
 
 def _add_up_masses(
@@ -608,15 +560,6 @@ def parts_of_impossible_sums(robot: Robot) -> set[str]:
 def is_impossible(inertial: Inertial) -> bool:
     """Whether no body of this mass has this inertia; that of a zero mass means nothing."""
     return inertial.mass > 0 and not is_possible(inertial.inertia)
-
-
-def joints_that_say(robot: Robot, key: str) -> set[str]:
-    """The names of the joints about which a `<gazebo>` element says that this is true."""
-    return {
-        tag.reference
-        for tag in robot.gazebo
-        if tag.reference is not None and is_true(tag.values.get(key))
-    }
 
 
 def _drop_massless(
@@ -879,10 +822,11 @@ def _without_inertia(
 
 
 def _values_without_effect(
-    body: Body, link: Link, tags: Sequence[GazeboTag], file: Path | None
+    body: Body, without_effect: Sequence[tuple[GazeboTag, str]], file: Path | None
 ) -> Iterator[Diagnostic]:
     """Gazebo finds the collisions that a value is for by their names, and may find none."""
-    for tag, key in without_effect(link, tags):
+    link = body.link
+    for tag, key in without_effect:
         about = next(part for part, _ in body.parts if part.name == tag.reference)
         if not about.collisions:
             continue

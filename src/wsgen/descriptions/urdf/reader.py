@@ -21,6 +21,7 @@ from wsgen.descriptions.rules import (
     UNNAMED_ELEMENT,
     ZERO_SIZE,
 )
+from wsgen.descriptions.urdf.extensions import kept_joints
 from wsgen.descriptions.urdf.gazebo import read_tags
 from wsgen.descriptions.urdf.joints import read_joint
 from wsgen.descriptions.urdf.links import read_link, read_materials
@@ -254,14 +255,17 @@ def _read_robot(collector: Collector, root: Element) -> Robot:
     materials = read_materials(collector, root)
     tags = read_tags(collector, root, set(links), set(joint_elements), is_complete=has_all_names)
     controls = read_controls(root)
-    held = _held_joints(controls, tags)
+    held, kept = _held_joints(controls, tags), kept_joints(tags)
     return Robot(
         name=root.get("name") or "",
         root=root_link or "",
         links=tuple(
             read_link(collector, element, name, materials) for name, element in links.items()
         ),
-        joints=tuple(replace(joint, is_held=joint.name in held) for joint, _ in joints),
+        joints=tuple(
+            replace(joint, is_held=joint.name in held, kept_by=kept.get(joint.name, ""))
+            for joint, _ in joints
+        ),
         gazebo=tags,
         controls=controls,
         transmissions=read_transmissions(root),

@@ -20,7 +20,6 @@ from wsgen.descriptions.rules import (
 from wsgen.descriptions.urdf.lumping import (
     WORLD,
     is_impossible,
-    joints_that_say,
     parts_of_impossible_sums,
 )
 from wsgen.descriptions.urdf.unknown_elements import nearest_element
@@ -246,10 +245,8 @@ def check_names(collector: Collector, robot: Robot, line_of_robot: int | None) -
         if (name == WORLD and not is_root) or RESERVED.fullmatch(name):
             _report_reserved(collector, name, line, path)
     links = {link.name for link in robot.links}
-    kept = joints_that_say(robot, "preserveFixedJoint")
-    kept |= joints_that_say(robot, "disableFixedJointLumping")
     for joint in robot.joints:
-        is_lumped = joint.type is JointType.FIXED and joint.name not in kept
+        is_lumped = joint.type is JointType.FIXED and not joint.kept_by
         if joint.name in links and (joint.parent == WORLD or not is_lumped):
             collector.report(
                 ONE_NAME_FOR_LINK_AND_JOINT,
