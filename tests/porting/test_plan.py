@@ -398,6 +398,50 @@ def test_the_topics_of_a_robot_in_the_world_are_bridged(tmp_path: Path, world: s
     assert "gz::sim::systems::Sensors" in text
 
 
+def _car() -> str:
+    """A model with wheels 1 m apart on axles at x = 0 and 2 m, of which the front ones steer."""
+    parts = []
+    for name, x, y in (("fl", 2, 0.5), ("fr", 2, -0.5), ("rl", 0, 0.5), ("rr", 0, -0.5)):
+        parts.append(
+            f"<link name='{name}'><pose>{x} {y} 0.3 0 0 0</pose><collision name='c'>"
+            "<geometry><sphere><radius>0.3</radius></sphere></geometry></collision></link>"
+        )
+        second = "<axis2><xyz>0 0 1</xyz></axis2>" if x else ""
+        parts.append(
+            f"<joint name='{name}_joint' type='{'universal' if x else 'revolute'}'>"
+            f"<parent>body</parent><child>{name}</child><axis><xyz>0 1 0</xyz></axis>{second}"
+            "</joint>"
+        )
+    tags = {
+        "front_left_joint": "fl_joint",
+        "front_right_joint": "fr_joint",
+        "rear_left_joint": "rl_joint",
+        "rear_right_joint": "rr_joint",
+        "left_steering_joint": "fl_joint",
+        "right_steering_joint": "fr_joint",
+    }
+    said = "".join(f"<{tag}>{joint}</{tag}>" for tag, joint in tags.items())
+    filename = "libgazebo_ros_ackermann_drive.so"
+    plugin = f"<plugin name='drive' filename='{filename}'>{said}</plugin>"
+    return f"<model name='car'><link name='body'/>{''.join(parts)}{plugin}</model>"
+
+
+@pytest.mark.slow
+def test_a_car_is_given_the_sizes_that_classic_finds(tmp_path: Path) -> None:
+    package = tmp_path / "src" / "in_world"
+    for name, text in IN_A_WORLD.items():
+        file = package / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text.replace("<include><uri>model://bot</uri></include>", _car()))
+    planned = plan(package)
+    list(write_port(planned))
+    world = (package / "worlds" / "w.world").read_text(encoding="utf-8")
+    sizes = {"wheel_separation": 1, "kingpin_width": 1, "wheel_base": 2, "wheel_radius": 0.3}
+    for tag, size in sizes.items():
+        assert f"<{tag}>{size}</{tag}>" in world
+    assert not [one for one in planned.unported if "sizes of the car" in one.what]
+
+
 @pytest.mark.slow
 def test_the_service_that_a_program_calls_is_bridged(tmp_path: Path) -> None:
     program = """from gazebo_msgs.srv import SpawnEntity

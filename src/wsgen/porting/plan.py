@@ -6,6 +6,7 @@ the bridge needs. Then each file is edited where it names what Gazebo Sim has no
 
 from __future__ import annotations
 
+import math
 import re
 from collections import defaultdict
 from pathlib import Path
@@ -13,15 +14,19 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.fixes.plan import FileFix, is_whole
 from wsgen.checks.fixes.source import Edit, apply, overlap, read_source
+from wsgen.descriptions.sdf.models import read_sdf
 from wsgen.descriptions.urdf.devices import read_devices
 from wsgen.descriptions.urdf.lumping import lump
 from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.descriptions.xacro.reader import written_elements
-from wsgen.gazebo.plugins import simulator_of
+from wsgen.gazebo.plugins import simulator_of, stem
 from wsgen.gazebo.systems import EMPTY_WORLD
 from wsgen.isolation.parent import make_scratch
 from wsgen.launching.spawner_options import SPAWN_ENTITY, read_options
+from wsgen.model.kinematics import link_poses
+from wsgen.model.robot import Cylinder, Sphere
 from wsgen.model.target import CLASSIC
+from wsgen.model.transform import IDENTITY, compose
 from wsgen.packages.workspace.layout import BUILD_MARKERS, LAUNCH_FILES
 from wsgen.packages.workspace.settings import FILE as SETTINGS
 from wsgen.pipeline.check_package import PackageCheck
@@ -44,6 +49,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
     from wsgen.checks.fixes.source import SourceText
+    from wsgen.model.devices import Devices
+    from wsgen.model.robot import Joint, Link, Robot
     from wsgen.model.target import Target
     from wsgen.packages.workspace.layout import PackageFolder
     from wsgen.pipeline.check import Targets
@@ -225,6 +232,12 @@ class _Launches:
                 for one in plugins_of(text)
                 if simulator_of(one[1]) == CLASSIC
             ),
+            cars={
+                name: sizes
+                for text in (*spawns, *set().union(*self._worlds.values()))
+                for name, sizes in _cars(text)
+                if all(sizes)
+            },
         )
 
     def rows(
@@ -296,6 +309,57 @@ def _mounted(description: str) -> Iterator[Mounted]:
         lumped, _ = lump(written, for_classic=True)
         for one in read_devices(description, written, lumped).sensors:
             yield Mounted(one.name, one.frame, one.link)
+
+
+_CAR = "gazebo_ros_ackermann_drive"
+_WHEELS = ("front_left_joint", "front_right_joint", "rear_left_joint", "rear_right_joint")
+
+
+def _cars(text: str) -> Iterator[tuple[str, tuple[float, ...]]]:
+    """The sizes of cars by their last rear wheel, as the plugin of Gazebo Classic finds them.
+
+    They are those of `MEASURED`. Source: gazebo_ros_ackermann_drive.cpp.
+    """
+    read: list[tuple[Robot | None, Devices | None]] = []
+    if _CAR in text and _SDF.search(text):
+        found = read_sdf(
+            Path("car.sdf"), find_model=lambda _: None, content=text, with_devices=True
+        )
+        read = [(one.robot, one.devices) for one in found.models]
+    elif _CAR in text and (written := read_urdf(text, file=None)[0]) is not None:
+        lumped, _ = lump(written, for_classic=True)
+        read = [(lumped, read_devices(text, written, lumped))]
+    for robot, devices in read:
+        for plugin in () if robot is None or devices is None else devices.plugins:
+            if robot is not None and stem(plugin.attributes.get("filename", "")) == _CAR:
+                joints = {one.name: one for one in robot.joints}
+                tags = (*_WHEELS, "left_steering_joint", "right_steering_joint")
+                names = [(plugin.get(tag) or "").strip() for tag in tags]
+                links = [_carried(robot, joints[name]) for name in names if name in joints]
+                if len(links) == len(tags) and all(one.collisions for one in links[:4]):
+                    yield names[3], _sizes(robot, links)
+
+
+def _carried(robot: Robot, joint: Joint) -> Link:
+    """What a joint carries; of a universal one, its two hinges."""
+    link = robot.link(joint.child)
+    onward = [] if link.collisions else [one for one in robot.joints if one.parent == link.name]
+    return robot.link(onward[0].child) if len(onward) == 1 else link
+
+
+def _sizes(robot: Robot, links: Sequence[Link]) -> tuple[float, ...]:
+    poses = link_poses(robot, IDENTITY)
+    centers = [compose(poses[one.name], one.collisions[0].pose_in_link).xyz for one in links[:4]]
+    front, rear = (
+        [sum(ends) / 2 for ends in zip(*pair, strict=True)] for pair in (centers[:2], centers[2:])
+    )
+    shape = links[3].collisions[0].geometry
+    return (
+        math.dist(*centers[:2]),
+        math.dist(*(poses[one.name].xyz for one in links[4:])),
+        math.dist(front, rear),
+        shape.radius if isinstance(shape, (Cylinder, Sphere)) else 0.0,
+    )
 
 
 def _names_of_worlds(text: str) -> list[str]:

@@ -26,6 +26,8 @@ from wsgen.porting.porter import (
     link_of,
     number,
     product,
+    values_in,
+    written,
 )
 from wsgen.porting.topics import absolute
 from wsgen.porting.xml_edits import COMPUTED, CONDITIONS, Block
@@ -467,11 +469,18 @@ def _ackermann(port: Porter, plugin: ClassicPlugin, values: dict[str, str]) -> N
         port.editor.append(plugin.node, Block("min_velocity", least))
     rate = plugin.value("update_rate", plugin.default("update_rate"))
     _publish_world_odometry(port, plugin, rate)
-    port.leave(
-        plugin.node,
-        "Gazebo Classic finds the sizes of the car in its model, and Gazebo Sim does not.",
-        f"Write {', '.join(f'<{one}>' for one in MEASURED)} into the plugin, in meters.",
-    )
+    wheel = values.get("right_joint", "")
+    cars = port.robots.cars
+    sizes = next((cars[name] for name in cars if values_in(wheel, name) is not None), None)
+    if sizes is not None:
+        texts = (written(round(one, 6)) for one in sizes)
+        port.editor.append(plugin.node, *map(Block, MEASURED, texts))
+    else:
+        port.leave(
+            plugin.node,
+            "Gazebo Classic finds the sizes of the car in its model, and Gazebo Sim does not.",
+            f"Write {', '.join(f'<{one}>' for one in MEASURED)} into the plugin, in meters.",
+        )
     port.leave(
         plugin.node,
         "`angular.z` of the commands is the angle of the front wheels in Gazebo Classic, and how "

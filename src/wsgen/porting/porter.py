@@ -16,7 +16,7 @@ from wsgen.porting.topics import Topics, absolute
 from wsgen.porting.xml_edits import COMPUTED, Editor, Node, read_nodes
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator, Mapping, Sequence
 
     from wsgen.checks.fixes.source import SourceText
     from wsgen.model.target import Target
@@ -61,6 +61,8 @@ class Robots(NamedTuple):
     scoped: frozenset[tuple[str, str]] = frozenset()
     followers: Mapping[str, Follower] = MappingProxyType({})  # by joint, see `without_computed`
     paints: Mapping[str, list[Paint]] = MappingProxyType({})  # by name
+    # What is in `MEASURED` (m) of cars of Gazebo Classic, by their <rear_right_joint>.
+    cars: Mapping[str, Sequence[float]] = MappingProxyType({})
 
 
 # What `BridgeRow`s have for the names of a robot and its world, and for the namespace that the
