@@ -88,7 +88,9 @@ FORMAT_3 = """\
 
 
 def test_a_manifest(tmp_path: Path) -> None:
-    ported = port_manifest(FORMAT_1, source_of(tmp_path), {"launch_ros", "xacro"})
+    ported = port_manifest(
+        FORMAT_1, source_of(tmp_path), [("exec_depend", "launch_ros"), ("exec_depend", "xacro")]
+    )
     assert ported.text == FORMAT_3
     assert notes(ported.notes) == [
         "package.xml:16: The dependency `nobody_knows` is not released for ROS 2 Jazzy.",
@@ -154,6 +156,20 @@ FILES = {
     "scripts/help": "#!/bin/sh\n",
     "test/it.cpp": "",
 }
+BASE = """\
+cmake_minimum_required(VERSION 3.20)
+# The package only installs files, so it needs no compiler. For C++ write LANGUAGES CXX.
+project(my_robot LANGUAGES NONE)
+
+find_package(ament_cmake REQUIRED)
+
+install(
+  DIRECTORY launch urdf
+  DESTINATION share/${PROJECT_NAME}
+)
+
+ament_package()
+"""
 BUILD_FILE = """\
 cmake_minimum_required(VERSION 3.20)
 project(my_robot)
@@ -164,15 +180,15 @@ find_package(builtin_interfaces REQUIRED)
 find_package(geometry_msgs REQUIRED)
 find_package(std_msgs REQUIRED)
 
+install(
+  DIRECTORY launch urdf
+  DESTINATION share/${PROJECT_NAME}
+)
+
 rosidl_generate_interfaces(${PROJECT_NAME}
   "msg/State.msg"
   "srv/Get.srv"
   DEPENDENCIES builtin_interfaces geometry_msgs std_msgs
-)
-
-install(
-  DIRECTORY launch urdf
-  DESTINATION share/${PROJECT_NAME}
 )
 
 install(
@@ -202,7 +218,7 @@ def test_files_and_build_file(tmp_path: Path) -> None:
         "int8 LOW=1\n"
     )
     assert notes(ported.notes) == ["talk:1: The program is written for ROS 1 (scripts/talk:2)."]
-    built = port_build_file(source, ported.files)
+    built = port_build_file(source, ported.files, BASE)
     assert built.text == BUILD_FILE
     assert notes(built.notes) == [
         "State.msg:3: ROS 2 does not take `jointState` as a name; it is `joint_state` now.",

@@ -8,6 +8,7 @@ and ament_cmake's documentation; ros2/rosidl, rosidl_adapter.
 from __future__ import annotations
 
 import re
+from html import escape
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.fixes.manifests import add_export, declare, text_of, top_of
@@ -15,7 +16,14 @@ from wsgen.checks.fixes.source import Edit, SourceText, apply, children, read_ta
 from wsgen.checks.rules.dependencies import OF_ROS_1, rosdep_key
 from wsgen.launching.package_lookup import is_brought
 from wsgen.packages.build_files.cmake_text import parse
-from wsgen.packages.workspace.manifest import BUILD_TAGS, RUN_TAGS, holds
+from wsgen.packages.workspace.manifest import (
+    BUILD_TAGS,
+    DEFAULT_BUILD_TYPE,
+    RUN_TAGS,
+    Manifest,
+    holds,
+    read_manifest,
+)
 from wsgen.porting.existing.launch_of_ros1 import (
     ENDINGS,
     is_of_ros_1,
@@ -42,6 +50,13 @@ if TYPE_CHECKING:
 _WITHOUT_LOSS = frozenset(("catkin", "message_generation", "message_runtime", "roslaunch"))
 _GENERATORS = ("rosidl_default_generators", "rosidl_default_runtime")
 _EXPORTS = frozenset(("architecture_independent", "build_type", "deprecated", "gazebo_ros"))
+# Suffixes of files that name others.
+_NAMING = frozenset(
+    (
+        *(".config", ".gazebo", ".sdf", ".srdf", ".trans", ".urdf", ".world", ".xacro", ".xml"),
+        *(".yaml", ".yml"),
+    )
+)
 _KINDS = {"add_message_files": "msg", "add_service_files": "srv", "add_action_files": "action"}
 # Commands of CMake that make something, which the new build file does not -> what they make.
 _MAKES = {
@@ -91,6 +106,16 @@ class PortedText(NamedTuple):
     notes: tuple[Unported, ...] = ()
 
 
+def find_package(file: Path, packages: Iterable[Path]) -> Manifest | None:
+    """The package of catkin that a file is of; None where it is of another kind."""
+    around = [one for one in packages if file.is_relative_to(one) and (one / MANIFEST).is_file()]
+    folder = max(around, key=lambda one: len(one.parts), default=None)
+    manifest = read_manifest(folder / MANIFEST) if folder is not None else None
+    if not isinstance(manifest, Manifest) or "catkin" not in manifest.dependency_names:
+        return None
+    return manifest if manifest.build_type == DEFAULT_BUILD_TYPE else None
+
+
 class PortedPackage(NamedTuple):
     """What becomes of the files of a package, but for its manifest and build file."""
 
@@ -109,12 +134,17 @@ def port_files(source: Source) -> PortedPackage:
     packages, used, notes = set[str](), set[str](), list[Unported]()
     for path in files_in(source.folder):
         file = source.folder / path
+        if path in source.moved:
+            continue
         text = read_text(file) if path.endswith((".rviz", *ENDINGS)) else None
-        if text is not None and path.endswith(".rviz"):
+        if not is_installed(path):
+            if path.split("/")[0] not in _NO_PROGRAMS and _is_program(file):
+                notes += _add_program(path, source, files)
+        elif text is not None and path.endswith(".rviz"):
             ported = port_rviz(file, text, source)
             files[path] = ported.text
             notes += ported.notes
-        elif text is not None and path != MANIFEST and is_of_ros_1(text):
+        elif text is not None and is_of_ros_1(text):
             launch = port_launch_file(file, text, source)
             notes += launch.notes
             if launch.text is not None:
@@ -122,21 +152,35 @@ def port_files(source: Source) -> PortedPackage:
             changed |= launch.files
             used |= launch.used
             packages |= launch.packages
-        elif _is_installed(path):
-            files[path] = file
-        elif path.split("/")[0] not in _NO_PROGRAMS and _is_program(file):
-            reason = written_for_ros_1(source.folder, file.name)
-            if reason is None:
-                files[path] = file
-            else:
-                advice = "Write it for ROS 2, then install it among the PROGRAMS of CMakeLists.txt."
-                notes.append(Unported(file, 1, f"The program {reason}.", advice))
+        else:
+            files[path] = _renamed(file, source)
     interfaces, _, _ = _interfaces(source, _calls(source))
     files |= {path: source.folder / path for path in used} | changed | interfaces
     return PortedPackage(files, frozenset(packages), tuple(notes))
 
 
-def _is_installed(path: str) -> bool:
+def _add_program(path: str, source: Source, files: dict[str, str | Path]) -> Iterator[Unported]:
+    """Add a program to the files, or list why it is none of ROS 2."""
+    file = source.folder / path
+    reason = written_for_ros_1(source.folder, file.name)
+    if reason is None:
+        files[path] = file
+    else:
+        advice = "Write it for ROS 2, then install it among the PROGRAMS of CMakeLists.txt."
+        yield Unported(file, 1, f"The program {reason}.", advice)
+
+
+def _renamed(file: Path, source: Source) -> str | Path:
+    """A file with the new name of the package, where it names its own files."""
+    text = read_text(file) if file.suffix in _NAMING and source.old != source.name else None
+    own = rf"(?<=package://){source.old}(?=/)|(?<=model://){source.old}(?=/)"
+    own += rf"|(?<=\$\(find ){source.old}(?=\))"
+    renamed = re.sub(own, source.name, text) if text is not None else None
+    return file if renamed is None or renamed == text else renamed
+
+
+def is_installed(path: str) -> bool:
+    """Whether a file of a package is installed as it is: launch files, robots and the like."""
     folder, separator, _ = path.partition("/")
     return folder not in NOT_INSTALLED if separator else not _LEFT_AT_TOP.fullmatch(path)
 
@@ -176,13 +220,22 @@ def port_rviz(file: Path, text: str, source: Source) -> PortedText:
 # package.xml
 
 
-def port_manifest(text: str, source: Source, needs: Collection[str] = ()) -> PortedText:
+def port_manifest(
+    text: str,
+    source: Source,
+    needs: Collection[tuple[str, str]] = (),
+    *,
+    license_name: str | None = None,
+    export: str = "",
+) -> PortedText:
     """Write package.xml of catkin in format 3, for ament_cmake.
 
     Args:
         text: package.xml, as it is.
         source: the package, and what it becomes.
-        needs: the packages that its files need now.
+        needs: what its files need now: elements and the names of packages.
+        license_name: in place of the license that it names; None: that one stays.
+        export: an element for <export>, if it is not there.
     """
     before = SourceText(source.folder / MANIFEST, text)
     root, top = top_of(before)
@@ -191,8 +244,10 @@ def port_manifest(text: str, source: Source, needs: Collection[str] = ()) -> Por
     edits, notes = [_format(root)], list[Unported]()
     name = next((tag for tag in top if tag.name == "name" and tag.end), None)
     if name is not None:
-        inside = name.content()
-        edits.append(Edit(start=inside.start, end=inside.end, text=source.name))
+        edits.append(_content(name, source.name))
+    if license_name is not None:
+        named = [tag for tag in top if tag.name == "license" and tag.end][:1]
+        edits += [_content(tag, escape(license_name)) for tag in named]
     declared = list[Declared]()
     for tag in top:
         if not tag.name.endswith("depend") or tag.end is None or not text_of(before, tag):
@@ -217,7 +272,17 @@ def port_manifest(text: str, source: Source, needs: Collection[str] = ()) -> Por
     exports, lost = _exports(before, top)
     notes += lost
     after = SourceText(before.file, apply(text, [*edits, *renamed, *exports]))
-    return PortedText(_declared(after, source, needs), notes=tuple(notes))
+    declared_text = _declared(after, source, needs)
+    if export and export.split(maxsplit=1)[0] not in declared_text:
+        last = SourceText(before.file, declared_text)
+        declared_text = apply(declared_text, add_export(last, export))
+    return PortedText(declared_text, notes=tuple(notes))
+
+
+def _content(tag: Tag, text: str) -> Edit:
+    """Write something else between the tags of an element."""
+    inside = tag.content()
+    return Edit(start=inside.start, end=inside.end, text=text)
 
 
 def _format(root: Tag) -> Edit:
@@ -284,7 +349,7 @@ def _exports(text: SourceText, top: list[Tag]) -> tuple[list[Edit], list[Unporte
     return edits, notes
 
 
-def _declared(text: SourceText, source: Source, needs: Collection[str]) -> str:
+def _declared(text: SourceText, source: Source, needs: Collection[tuple[str, str]]) -> str:
     """Declare what is needed now, and the build type."""
     _, top = top_of(text)
     by_use = [
@@ -302,8 +367,10 @@ def _declared(text: SourceText, source: Source, needs: Collection[str]) -> str:
             missing.append(("depend", name))
         elif name not in building:
             missing.append(("build_depend", name))
-    new = sorted({*needs} - running - {source.name, *of_interfaces})
-    missing += [("exec_depend", name) for name in new if not is_brought(name, running)]
+    for tag, name in sorted({*needs}):
+        is_there = name in {*running, source.name, *of_interfaces} or is_brought(name, running)
+        if tag != "exec_depend" or not is_there:
+            missing.append((tag, name))
     written = {(tag.name, text_of(text, tag)) for tag in top}
     missing = [one for one in missing if one not in written]
     after = SourceText(text.file, apply(text.text, declare(text, missing)))
@@ -357,39 +424,38 @@ def _calls(source: Source) -> tuple[Call, ...]:
     return parse(text)[0] if text is not None else ()
 
 
-def port_build_file(source: Source, paths: Collection[str], *, more: str = "") -> PortedText:
+def port_build_file(source: Source, paths: Collection[str], base: str) -> PortedText:
     """Write CMakeLists.txt of catkin for ament_cmake.
 
     Args:
         source: the package, and what it becomes.
         paths: the files that the package has now.
-        more: what is to be written before ament_package().
+        base: one that installs its folders, and calls ament_package() at the end.
     """
     calls = _calls(source)
     interfaces, needed, notes = _interfaces(source, calls)
-    tools = ["ament_cmake", *(_GENERATORS[:1] if interfaces else ())]
-    minimum, languages = source.target.cmake_minimum, "" if interfaces else " LANGUAGES NONE"
-    blocks = [
-        f"cmake_minimum_required(VERSION {minimum})\nproject({source.name}{languages})",
-        "\n".join(f"find_package({name} REQUIRED)" for name in (*tools, *needed)),
-    ]
+    kept = {path for path in paths if is_installed(path)}
+    others = sorted({*paths} - kept - interfaces.keys())
+    programs = [path for path in others if _is_program(source.folder / path)]
+    at_top = sorted(path for path in kept if "/" not in path)
+    blocks = list[str]()
+    found = "find_package(ament_cmake REQUIRED)"
     if interfaces:
         words = [f'"{name}"' for name in interfaces]
         words += [f"DEPENDENCIES {' '.join(needed)}"] if needed else []
         blocks.append(_call("rosidl_generate_interfaces", "${PROJECT_NAME}", words))
-    share, programs = "DESTINATION share/${PROJECT_NAME}", "DESTINATION lib/${PROJECT_NAME}"
-    kept = sorted(path for path in paths if _is_installed(path))
-    folders = sorted({path.split("/")[0] for path in kept if "/" in path})
-    others = [path for path in sorted({*paths} - {*kept, *interfaces}) if path != "setup.py"]
-    for words, place in (
-        (["DIRECTORY", *folders], share),
-        (["FILES", *(path for path in kept if "/" not in path)], share),
-        (["PROGRAMS", *(path for path in others if _is_program(source.folder / path))], programs),
-    ):
-        if words[1:]:
-            blocks.append(_call("install", "", [" ".join(map(_quoted, words)), place]))
-    blocks += [more.strip("\n")] if more else []
-    text = "\n\n".join((*blocks, "ament_package()\n"))
+        tools = (_GENERATORS[0], *needed)
+        packages = "\n".join((found, *(f"find_package({name} REQUIRED)" for name in tools)))
+        base = re.sub(r"(?m)^#.*compiler.*\n(project\(\S+) LANGUAGES NONE\)", r"\1)", base)
+        base = base.replace(found, packages, 1)
+    for kind, installed, place in (("FILES", at_top, "share"), ("PROGRAMS", programs, "lib")):
+        if installed:
+            words = [" ".join((kind, *map(_quoted, installed)))]
+            words.append(f"DESTINATION {place}/${{PROJECT_NAME}}")
+            blocks.append(_call("install", "", words))
+    ends = ("if(BUILD_TESTING)", "ament_package()")
+    end = next((base.index(one) for one in ends if one in base), len(base))
+    text = "".join((base[:end], *(f"{block}\n\n" for block in blocks), base[end:]))
     notes += _not_built(source.folder / BUILD_FILE, calls)
     return PortedText(text, frozenset(needed), tuple(notes))
 

@@ -564,8 +564,8 @@ class _Port:
         found = _FIND.fullmatch(path)
         if found is None or found[1] != self.source.old or any("$(" in one for one in keys):
             raise UnsaidError(
-                f"`{path}` is not a file of this package, or its namespace is only known when it is "
-                "launched.",
+                f"`{path}` is not a file of this package, or its namespace is only known when it "
+                "is launched.",
                 "Write the name of the node, or `/**`, and `ros__parameters` above its "
                 "parameters, and give it to the node.",
             )
