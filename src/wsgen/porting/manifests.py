@@ -48,7 +48,7 @@ _KEYS = ("gazebo", "gazebo9", "gazebo11")
 MESSAGES = "gazebo_msgs"  # of the services of Classic; some packages compile against it
 _CODE = (".py", ".cpp", ".cc", ".cxx", ".c", ".hpp", ".hh", ".hxx", ".h")
 _CODE_LIMIT = 2**20  # bytes
-_SEARCHED = '<gazebo_ros gazebo_model_path="${prefix}/.."/>'
+SEARCHED = '<gazebo_ros gazebo_model_path="${prefix}/.."/>'
 
 
 class Declared(NamedTuple):
@@ -188,7 +188,7 @@ def _searched(source: SourceText, top: list[Tag]) -> list[Edit]:
                 folder.rstrip("/").endswith("}/..") for folder in folders
             ):
                 return []
-    return add_export(source, _SEARCHED)
+    return add_export(source, SEARCHED)
 
 
 def _unported(

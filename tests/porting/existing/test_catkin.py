@@ -70,7 +70,7 @@ FORMAT_3 = """\
   <!-- of the arm -->
   <description>An <b>arm</b></description>
   <maintainer email="ada@example.com">Ada</maintainer>
-  <license>BSD</license>
+  <license file="LICENSE">Apache-2.0</license>
   <url type="website">http://example.com</url>
   <author>Bob</author>
   <buildtool_depend>ament_cmake</buildtool_depend>
@@ -80,7 +80,9 @@ FORMAT_3 = """\
   <exec_depend>xacro</exec_depend>
   <exec_depend>python3-yaml</exec_depend>
   <exec_depend>launch_ros</exec_depend>
+  <test_depend>ros2test</test_depend>
   <export>
+    <gazebo_ros gazebo_model_path="${prefix}/.."/>
     <build_type>ament_cmake</build_type>
   </export>
 </package>
@@ -88,9 +90,8 @@ FORMAT_3 = """\
 
 
 def test_a_manifest(tmp_path: Path) -> None:
-    ported = port_manifest(
-        FORMAT_1, source_of(tmp_path), [("exec_depend", "launch_ros"), ("exec_depend", "xacro")]
-    )
+    needs = [("exec_depend", "launch_ros"), ("exec_depend", "xacro"), ("test_depend", "ros2test")]
+    ported = port_manifest(source_of(tmp_path, {"package.xml": FORMAT_1}), needs, "Apache-2.0")
     assert ported.text == FORMAT_3
     assert notes(ported.notes) == [
         "package.xml:16: The dependency `nobody_knows` is not released for ROS 2 Jazzy.",
@@ -115,17 +116,18 @@ def test_a_manifest(tmp_path: Path) -> None:
 )
 def test_dependencies(tmp_path: Path, before: str, after: str) -> None:
     text = '<package format="2">\n  <name>a</name>\n  {}\n</package>\n'
-    ported = port_manifest(text.format(before), source_of(tmp_path)).text
+    ported = port_manifest(source_of(tmp_path, {"package.xml": text.format(before)})).text
     lines = [line.strip() for line in ported.splitlines()]
     assert [line for line in lines if "depend" in line and "buildtool" not in line] == (
         [after] if after else []
     )
-    assert port_manifest(ported, source_of(tmp_path)).text == ported
+    assert port_manifest(source_of(tmp_path, {"package.xml": ported})).text == ported
 
 
 @pytest.mark.parametrize("text", ["", "<package", "<package/>", "<a></a>", "<package></package>"])
 def test_what_is_no_manifest(tmp_path: Path, text: str) -> None:
-    assert "<package>" not in port_manifest(text, source_of(tmp_path)).text
+    ported = port_manifest(source_of(tmp_path, {"package.xml": text}))
+    assert "<package>" not in ported.text
 
 
 CMAKE = """\
@@ -217,17 +219,16 @@ def test_files_and_build_file(tmp_path: Path) -> None:
         "std_msgs/Header header\nbuiltin_interfaces/Time at\nfloat64[] joint_state # of all\n"
         "int8 LOW=1\n"
     )
-    assert notes(ported.notes) == ["talk:1: The program is written for ROS 1 (scripts/talk:2)."]
-    built = port_build_file(source, ported.files, BASE)
-    assert built.text == BUILD_FILE
-    assert notes(built.notes) == [
+    assert notes(ported.notes) == [
+        "talk:1: The program is written for ROS 1 (scripts/talk:2).",
         "State.msg:3: ROS 2 does not take `jointState` as a name; it is `joint_state` now.",
         "State.msg:4: ROS 2 does not take `low` as a name; it is `LOW` now.",
         "CMakeLists.txt:4: `msg/1bad.msg` is not an interface of ROS 2, and is left out.",
         "CMakeLists.txt:8: `add_executable` compiles the program `driver`: that is left out.",
         "CMakeLists.txt:12: `catkin_add_gtest` adds a test of ROS 1, which is left out.",
     ]
-    text = port_manifest(FORMAT_1, source).text
+    assert port_build_file(source, ported.files, BASE) == BUILD_FILE
+    text = port_manifest(source).text
     assert "<member_of_group>rosidl_interface_packages</member_of_group>" in text
     (tmp_path / "package.xml").write_text(text)
     manifest = read_manifest(tmp_path / "package.xml")

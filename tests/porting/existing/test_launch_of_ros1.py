@@ -296,6 +296,16 @@ def test_parameters_are_set_before_nodes_start(package: Any) -> None:
     assert str(found.parameters["robot_description"]).endswith("</robot>\n")
 
 
+@pytest.mark.slow
+def test_an_argument_may_name_the_launch_file_that_is_included(package: Any) -> None:
+    plan = package(
+        f'<arg name="file" default="$(dirname)/upload.launch"/>\n{PUBLISHER}\n'
+        '<include file="$(arg file)"/>',
+        launch__upload_dot_launch=f"<launch>{DESCRIBED}</launch>",
+    ).plan()
+    assert "robot_description" in process(plan, "robot_state_publisher").parameters
+
+
 YAML = """\
 # of two nodes, and of all
 one:
@@ -397,6 +407,21 @@ def test_a_robot_in_a_parameter(package: Any) -> None:
     spawner = process(plan, "create")
     assert spawner.arguments == ("-param", "robot_description")
     assert str(spawner.parameters["robot_description"]).endswith("</robot>\n")
+
+
+def test_words_in_an_argument(package: Any) -> None:
+    """ROS 2 splits the arguments of nodes before the values of launch arguments are known."""
+    ported = package(
+        '<arg name="more" default=""/><arg name="file" default="a b.xacro"/>\n'
+        '<param name="d" command="$(find xacro)/xacro x/$(arg file) $(arg more)"/>\n'
+        '<node pkg="rqt_graph" type="rqt_graph" name="a" args="$(arg more)"/>'
+    ).port()
+    assert "'xacro \"x/', LaunchConfiguration('file'), '\" ', LaunchConfiguration('more')" in str(
+        ported.text
+    )
+    assert notes(ported) == [
+        "4: `$(arg more)` held several words, or none; ROS 2 passes it as one."
+    ]
 
 
 @pytest.mark.parametrize(

@@ -80,6 +80,57 @@ def test_a_package_of_ros_1(here: Path, tmp_path: Path, capsys: pytest.CaptureFi
     assert "Renamed the file `base part.stl` to meshes/base_part.stl." in output.err
 
 
+LAUNCH = """\
+<launch>
+  <arg name="model" default="$(find arm_description)/urdf/arm.urdf"/>
+  <param name="robot_description" textfile="$(find arm_description)/urdf/arm.urdf"/>
+  <include file="$(find gazebo_ros)/launch/empty_world.launch"/>
+  <node pkg="robot_state_publisher" type="robot_state_publisher" name="rsp"/>
+  <node pkg="rviz" type="rviz" name="rviz" args="-d $(find arm_description)/gone.rviz"/>
+  <node pkg="gazebo_ros" type="spawn_model" name="s" args="-urdf -param robot_description -model a"/>
+  <node pkg="arm_description" type="driver" name="driver"/>
+</launch>
+"""
+
+
+def test_the_launch_files_of_ros_1(
+    here: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """They start the same in ROS 2; the package has what they name, and passes."""
+    source = write_arm(tmp_path).parents[1]
+    for name, text in {
+        "launch/display.launch": LAUNCH,
+        "launch/more.launch": "<launch/>",
+        "config/a.yaml": "file: package://arm_description/x\n",
+        "CMakeLists.txt": "find_package(catkin REQUIRED)\nadd_executable(driver src/driver.cpp)\n",
+        "scripts/help": "#!/bin/sh\n",
+    }.items():
+        (source / name).parent.mkdir(exist_ok=True)
+        (source / name).write_text(text)
+    assert new(source) == 0
+    package = made(here)
+    assert {"launch/display.launch.py", "launch/more.launch.py", "scripts/help"} <= files(package)
+    assert not [one for one in files(package) if one.endswith(".launch")]
+    assert (package / "config" / "a.yaml").read_text() == "file: package://my_arm/x\n"
+    assert "PROGRAMS scripts/help" in (package / "CMakeLists.txt").read_text()
+    output = capsys.readouterr()
+    assert "display.launch:8: The program `driver` of arm_description is compiled" in output.err
+    assert "CMakeLists.txt:2: `add_executable` compiles the program `driver`" in output.err
+    assert "Ported the launch files of ROS 1: launch/display.launch.py" in output.err
+    assert "The program `driver`" in (package / "README.md").read_text().replace("\\", "")
+    assert run(["check", str(package), "--distro", "jazzy"]) == 0
+    assert "warning[LCH" not in capsys.readouterr().out
+    assert run(["launch", str(package / "launch" / "display.launch.py"), "--format", "json"]) == 0
+    plan = json.loads(capsys.readouterr().out)
+    started = {one["executable"]: one for one in plan["processes"]}
+    assert set(started) == {"parameter_bridge", "robot_state_publisher", "rviz2", "create"}
+    assert started["create"]["arguments"] == ["-topic", "robot_description", "-name", "a"]
+    assert started["rviz2"]["arguments"][1].endswith("my_arm/config/robot.rviz")
+    again = new(package, name="again")
+    assert again == 0
+    assert (made(here, "again") / "launch" / "display.launch.py").is_file()
+
+
 @pytest.mark.parametrize("is_packed", [False, True])
 def test_the_same_from_a_file_and_from_a_zip(here: Path, tmp_path: Path, is_packed: bool) -> None:
     urdf = write_arm(tmp_path)

@@ -7,6 +7,7 @@ and ament_cmake's documentation; ros2/rosidl, rosidl_adapter.
 
 from __future__ import annotations
 
+import itertools
 import re
 from html import escape
 from typing import TYPE_CHECKING, NamedTuple
@@ -32,7 +33,7 @@ from wsgen.porting.existing.launch_of_ros1 import (
 )
 from wsgen.porting.existing.parameters_of_ros1 import files_in
 from wsgen.porting.existing.programs_of_ros1 import written_for_ros_1
-from wsgen.porting.manifests import SUCCESSORS, Declared, rename_dependencies
+from wsgen.porting.manifests import SEARCHED, SUCCESSORS, Declared, rename_dependencies
 from wsgen.porting.ported import Unported
 from wsgen.ros import ros1
 from wsgen.ros.names import released_packages, rosdep_keys
@@ -95,6 +96,7 @@ _PROPERTY = re.compile(rf"(?m)^([ ]*(?:- )?)({'|'.join(ros1.RVIZ_PROPERTIES)}):(
 
 
 MANIFEST, BUILD_FILE = "package.xml", "CMakeLists.txt"
+_MOST_SIBLINGS = 100
 _NO_PROGRAMS = frozenset(("build", "cfg", "devel", "install", "log", "setup.py", "test", "tests"))
 
 
@@ -114,6 +116,16 @@ def find_package(file: Path, packages: Iterable[Path]) -> Manifest | None:
     if not isinstance(manifest, Manifest) or "catkin" not in manifest.dependency_names:
         return None
     return manifest if manifest.build_type == DEFAULT_BUILD_TYPE else None
+
+
+def siblings_of(folder: Path) -> dict[str, Path]:
+    """The packages of catkin in the folders beside one: their launch files may be included."""
+    found: dict[str, Path] = {}
+    for manifest in itertools.islice(sorted(folder.parent.glob(f"*/{MANIFEST}")), _MOST_SIBLINGS):
+        package = find_package(manifest, [manifest.parent]) if manifest.parent != folder else None
+        if package is not None:
+            found[package.name] = manifest.parent
+    return found
 
 
 class PortedPackage(NamedTuple):
@@ -154,7 +166,9 @@ def port_files(source: Source) -> PortedPackage:
             packages |= launch.packages
         else:
             files[path] = _renamed(file, source)
-    interfaces, _, _ = _interfaces(source, _calls(source))
+    calls = _calls(source)
+    interfaces, _, lost = _interfaces(source, calls)
+    notes += [*lost, *_not_built(source.folder / BUILD_FILE, calls)]
     files |= {path: source.folder / path for path in used} | changed | interfaces
     return PortedPackage(files, frozenset(packages), tuple(notes))
 
@@ -221,22 +235,17 @@ def port_rviz(file: Path, text: str, source: Source) -> PortedText:
 
 
 def port_manifest(
-    text: str,
-    source: Source,
-    needs: Collection[tuple[str, str]] = (),
-    *,
-    license_name: str | None = None,
-    export: str = "",
+    source: Source, needs: Collection[tuple[str, str]] = (), license_name: str | None = None
 ) -> PortedText:
     """Write package.xml of catkin in format 3, for ament_cmake.
 
     Args:
-        text: package.xml, as it is.
         source: the package, and what it becomes.
         needs: what its files need now: elements and the names of packages.
-        license_name: in place of the license that it names; None: that one stays.
-        export: an element for <export>, if it is not there.
+        license_name: in place of the license that it names, with the file LICENSE; None: that
+            one stays.
     """
+    text = read_text(source.folder / MANIFEST) or ""
     before = SourceText(source.folder / MANIFEST, text)
     root, top = top_of(before)
     if root is None or root.end is None:
@@ -246,37 +255,43 @@ def port_manifest(
     if name is not None:
         edits.append(_content(name, source.name))
     if license_name is not None:
-        named = [tag for tag in top if tag.name == "license" and tag.end][:1]
-        edits += [_content(tag, escape(license_name)) for tag in named]
-    declared = list[Declared]()
-    for tag in top:
-        if not tag.name.endswith("depend") or tag.end is None or not text_of(before, tag):
-            continue
-        one = text_of(before, tag)
-        condition = tag.attributes.get("condition")
-        is_of_ros_1 = condition is not None and holds(condition.text, source.target.distro) is False
-        becomes = "" if is_of_ros_1 else successor(one, source)
-        declared.append(Declared(tag, one, becomes or ""))
-        if not becomes and not is_of_ros_1 and one not in _WITHOUT_LOSS:
-            notes.append(_dropped(before, tag, one, source))
-        elif becomes and tag.name == "run_depend":
-            for span, mark in ((tag.start, "<"), (tag.end, "</")):
-                start = span.start + len(mark)
-                edits.append(Edit(start=start, end=start + len(tag.name), text="exec_depend"))
-    renamed, gone = rename_dependencies(before, declared)
-    edits = [
-        one
-        for one in edits
-        if not any(tag.start.start <= one.start < (tag.end or tag.start).end for tag in gone)
-    ]
+        for tag in [tag for tag in top if tag.name == "license" and tag.end][:1]:
+            edits.append(_content(tag, escape(license_name)))
+            if "file" not in tag.attributes:
+                place = tag.start.start + len("<license")
+                edits.append(Edit(start=place, end=place, text=' file="LICENSE"'))
+    renamed, dropped = _dependencies(before, top, source)
+    notes += dropped
     exports, lost = _exports(before, top)
     notes += lost
     after = SourceText(before.file, apply(text, [*edits, *renamed, *exports]))
-    declared_text = _declared(after, source, needs)
-    if export and export.split(maxsplit=1)[0] not in declared_text:
-        last = SourceText(before.file, declared_text)
-        declared_text = apply(declared_text, add_export(last, export))
-    return PortedText(declared_text, notes=tuple(notes))
+    after = SourceText(before.file, _declared(after, source, needs))
+    added = () if "<gazebo_ros" in after.text else add_export(after, SEARCHED)
+    return PortedText(apply(after.text, added), notes=tuple(notes))
+
+
+def _dependencies(
+    text: SourceText, top: list[Tag], source: Source
+) -> tuple[list[Edit], list[Unported]]:
+    """Write the dependencies with their names and elements in ROS 2."""
+    declared, notes = list[Declared](), list[Unported]()
+    edits: list[tuple[Tag, Edit]] = []
+    for tag in top:
+        name = text_of(text, tag)
+        if not tag.name.endswith("depend") or tag.end is None or not name:
+            continue
+        condition = tag.attributes.get("condition")
+        is_of_ros_1 = condition is not None and holds(condition.text, source.target.distro) is False
+        becomes = "" if is_of_ros_1 else successor(name, source) or ""
+        declared.append(Declared(tag, name, becomes))
+        if not becomes and not is_of_ros_1 and name not in _WITHOUT_LOSS:
+            notes.append(_dropped(text, tag, name, source))
+        elif tag.name == "run_depend":
+            starts = (tag.start.start + len("<"), tag.end.start + len("</"))
+            ends = (Edit(start=one, end=one + len(tag.name), text="exec_depend") for one in starts)
+            edits += [(tag, end) for end in ends]
+    renamed, gone = rename_dependencies(text, declared)
+    return [*renamed, *(edit for tag, edit in edits if tag not in gone)], notes
 
 
 def _content(tag: Tag, text: str) -> Edit:
@@ -424,7 +439,7 @@ def _calls(source: Source) -> tuple[Call, ...]:
     return parse(text)[0] if text is not None else ()
 
 
-def port_build_file(source: Source, paths: Collection[str], base: str) -> PortedText:
+def port_build_file(source: Source, paths: Collection[str], base: str) -> str:
     """Write CMakeLists.txt of catkin for ament_cmake.
 
     Args:
@@ -432,8 +447,7 @@ def port_build_file(source: Source, paths: Collection[str], base: str) -> Ported
         paths: the files that the package has now.
         base: one that installs its folders, and calls ament_package() at the end.
     """
-    calls = _calls(source)
-    interfaces, needed, notes = _interfaces(source, calls)
+    interfaces, needed, _ = _interfaces(source, _calls(source))
     kept = {path for path in paths if is_installed(path)}
     others = sorted({*paths} - kept - interfaces.keys())
     programs = [path for path in others if _is_program(source.folder / path)]
@@ -455,9 +469,7 @@ def port_build_file(source: Source, paths: Collection[str], base: str) -> Ported
             blocks.append(_call("install", "", words))
     ends = ("if(BUILD_TESTING)", "ament_package()")
     end = next((base.index(one) for one in ends if one in base), len(base))
-    text = "".join((base[:end], *(f"{block}\n\n" for block in blocks), base[end:]))
-    notes += _not_built(source.folder / BUILD_FILE, calls)
-    return PortedText(text, frozenset(needed), tuple(notes))
+    return "".join((base[:end], *(f"{block}\n\n" for block in blocks), base[end:]))
 
 
 def _call(command: str, first: str, words: Iterable[str]) -> str:

@@ -31,6 +31,7 @@ class KeptFiles(NamedTuple):
     main: str  # path in the package
     files: Mapping[str, str]  # path in the package -> text
     more: Mapping[str, Path]  # what they load besides, likewise
+    places: Mapping[Path, str] = {}  # where the files of the source are now
 
 
 class NotKeptError(Exception):
@@ -50,7 +51,7 @@ def keep_files(source: Source, resources: Resources, package: str) -> KeptFiles:
     written = {}
     for file, text in texts.items():
         written[places[file]] = _rewritten(text, source, resources, package, places, more)
-    return KeptFiles(places[source.file], written, more)
+    return KeptFiles(places[source.file], written, more, places)
 
 
 def _read_all(source: Source) -> dict[Path, str]:

@@ -72,6 +72,7 @@ _OF_ROS_2 = re.compile(
     r"|<(?:node|test)\b[^>]*\sexec="
 )
 _FIND = re.compile(r"\$\(find\s+([\w-]+)\)/*(.*)", re.DOTALL)
+_ARGUMENT = re.compile(r"\$\(arg\s+(\S+?)\s*\)")
 _HERE = re.compile(r"\$\(dirname\)/*(.*)", re.DOTALL)
 _SUBSTITUTED = re.compile(r"\$\([^()]*\)")
 _NAME = re.compile(r"[A-Za-z_]\w*", re.ASCII)
@@ -98,6 +99,7 @@ class Source(NamedTuple):
     bridge: str | None = None  # file of the package with what is bridged; None: only the clock
     controllers: frozenset[str] = frozenset()  # of ros2_control, that the package has
     moved: Mapping[str, str] = {}  # files of the package that are elsewhere now, by path
+    rviz: str | None = None  # file of the package with what RViz shows, where the named one lacks
 
 
 class PortedLaunch(NamedTuple):
@@ -203,9 +205,18 @@ def _facts_of(file: Path, source: Source, depth: int = 0) -> _Facts:
     )
 
 
+def _named_file(element: Element) -> str:
+    """The file that an element includes; where an argument names it, that of its default."""
+    text = (element.get("file") or "").strip()
+    name = _ARGUMENT.fullmatch(text)
+    arguments = element.getroottree().getroot().iter("arg") if name is not None else ()
+    defaults = [one.get("default", "") for one in arguments if name and one.get("name") == name[1]]
+    return defaults[0] if defaults else text
+
+
 def _included(element: Element, file: Path, source: Source) -> Path | None:
     """The launch file of this package, or of one beside it, that an element includes."""
-    text = (element.get("file") or "").strip()
+    text = _named_file(element)
     found, here = _FIND.fullmatch(text), _HERE.fullmatch(text)
     if here is not None:
         path = file.parent / here[1]
@@ -240,7 +251,8 @@ class _Port:
         self.given: dict[Element, list[tuple[str, Code]]] = {}
         self.handled: set[Element] = set()  # such parameters
         self.node = root  # that is ported
-        paths = [_included(one, file, source) for one in root.iter("include")]
+        self._includes = list(root.iter("include"))
+        paths = [_included(one, file, source) for one in self._includes]
         self.facts = [_facts_of(one, source) for one in paths if one is not None]
         self.has_publisher = any(one.has_publisher for one in self.facts) or any(
             one.get("pkg") == PUBLISHER for one in root.iter("node")
@@ -282,9 +294,13 @@ class _Port:
     def _place(self, path: str) -> str:
         """Where the file of a path is now, as roslaunch writes it."""
         found = _FIND.fullmatch(path)
-        if found is None or found[1] != self.source.old or found[2] not in self.source.moved:
+        if found is None or found[1] != self.source.old:
             return path
-        return f"$(find {self.source.old})/{self.source.moved[found[2]]}"
+        place = self.source.moved.get(found[2])
+        is_lost = path.endswith(".rviz") and "$(" not in found[2]
+        if is_lost and not (self.source.folder / found[2]).exists():
+            place = self.source.rviz  # rviz shows nothing then; exports of SolidWorks name such one
+        return path if place is None else f"$(find {self.source.old})/{place}"
 
     @cached_property
     def _all_files(self) -> list[str]:
@@ -356,6 +372,8 @@ class _Port:
                 "by default now.",
                 "Remove it.",
             )
+        if any(_ARGUMENT.sub(r"\1", one.get("file", "")) == name for one in self._includes):
+            default = ported_name(default) if default and default.endswith(ENDINGS) else default
         call = self.values.call(
             "DeclareLaunchArgument",
             repr(name),
@@ -451,7 +469,7 @@ class _Port:
         if name == DESCRIPTION and not any(one.has_publisher for one in self.facts):
             readers = [one for one in nodes if one.get("pkg") == PUBLISHER]
         elif name == "use_gui":
-            readers = [one for one in nodes if one.get("type") == SLIDERS]
+            readers = [one for one in nodes if one.get("type") in {SLIDERS, f"{SLIDERS}_gui"}]
         elif rest:
             readers = [one for one in nodes if one.get("name") == first]
             name = rest
@@ -585,7 +603,7 @@ class _Port:
     # Other launch files
 
     def _include(self, element: Element, given: Given) -> list[_Action]:
-        path = given.get("file", "").strip()
+        path = _named_file(element)
         arguments, environment = self._passed(element)
         found, here = _FIND.fullmatch(path), _HERE.fullmatch(path)
         package = found[1] if found else self.source.old if here else ""
@@ -600,7 +618,7 @@ class _Port:
         known = _included(element, self.file, self.source)
         facts = _facts_of(known, self.source) if known is not None else _Facts()
         # The arguments of an included launch file stay set for what comes after it.
-        is_alone = sum(1 for _ in self.root.iter("include")) == 1 or facts.sets
+        is_alone = len(self._includes) == 1 or facts.sets
         condition, namespace = self.values.condition(given), given.get("ns", "")
         is_grouped = bool(namespace or environment) or not is_alone
         call = self._inclusion(
@@ -651,7 +669,9 @@ class _Port:
         if path.count("$(") == 1 and _included(element, self.file, self.source) is None:
             raise UnsaidError(f"The launch file {path} does not exist.", "Correct its path.")
         self._package((_FIND.fullmatch(path) or ["", self.source.old])[1])
-        return self.values.path(ported_name(path))
+        written = element.get("file", "").strip()
+        is_argument = _ARGUMENT.fullmatch(written) is not None
+        return self.values.path(written if is_argument else ported_name(path))
 
     def _other_launch_file(self, package: str, name: str, path: str) -> Code:
         if (package, name) in ros1.LAUNCH_FILES:
@@ -791,7 +811,7 @@ class _Port:
         found = self._settings(element, keywords)
         words = self._split_arguments(given, found)
         shows = dict(found.pairs).get("use_gui") if program == SLIDERS else None
-        if shows is not None:
+        if program.startswith(SLIDERS):
             found.pairs[:] = [one for one in found.pairs if one[0] != "use_gui"]
         if (package, program) == ("map_server", "map_server") and words:
             path = self.values.path(words.pop(0))
@@ -854,9 +874,7 @@ class _Port:
         return actions
 
     def _argument(self, word: str) -> Code:
-        name = re.fullmatch(r"\$\(arg\s+(\S+?)\s*\)", word)
-        default = self.values.declared.get(name[1]) if name is not None else None
-        if default is not None and len(default.split()) != 1 and "$(" not in default:
+        if self.values.holds_words(word):
             self._leave_argument(
                 f"`{word}` held several words, or none; ROS 2 passes it as one.",
                 "Write the words into the list of arguments.",

@@ -135,13 +135,15 @@ def written(code: Code, indent: int = 4, before: int = 0) -> str:
         only = code.items[0]
         head = f"{code.head}{only.key}"
         return f"{head}{written(only.code, indent, before + len(head) + 1)}{code.tail}"
-    lines = [code.head]
-    for item in code.items:
-        inner = " " * (indent + 4)
-        lines += [f"{inner}# {comment}".rstrip() for comment in item.comments]
-        text = written(item.code, indent + 4, len(item.key) + 1)
-        lines.append(f"{inner}{item.key}{text},")
-    return "\n".join((*lines, " " * indent + code.tail))
+    return "\n".join((code.head, *_lines(code.items, indent + 4), " " * indent + code.tail))
+
+
+def _lines(items: Iterable[Item], indent: int) -> Iterator[str]:
+    """Each of the items on lines of its own."""
+    space = " " * indent
+    for item in items:
+        yield from (f"{space}# {comment}".rstrip() for comment in item.comments)
+        yield f"{space}{item.key}{written(item.code, indent, len(item.key) + 1)},"
 
 
 def whole_file(
@@ -161,8 +163,7 @@ def whole_file(
     taken = {"arguments", "generate_launch_description", "LaunchDescription", SHARE, *MODULES}
     body, names = list[str](), list[str]()
     if settings:
-        lines = written(Tree("[", tuple(settings), "]"), before=WIDTH)
-        body += [f"    arguments = {lines}", ""]
+        body += ["    arguments = [", *_lines(settings, 8), "    ]", ""]
         names.append("*arguments")
     for given, code, comments in started:
         variable = _variable(given, taken)
@@ -340,11 +341,18 @@ class Values:
             return joined(parts)
         return self.call("PathJoinSubstitution", listed(names))
 
+    def holds_words(self, word: str) -> bool:
+        """Whether a word is an argument that holds several words, or none, by default."""
+        name = re.fullmatch(r"\$\(arg\s+(\S+?)\s*\)", word)
+        default = self.declared.get(name[1]) if name is not None else None
+        return default is not None and "$(" not in default and len(default.split()) != 1
+
     def command(self, words: Iterable[str]) -> Tree:
         """What prints a text: quotes keep words with substitutions or blanks together."""
         pieces = list[Code]()
         for word in words:
-            quote = "" if re.fullmatch(r"[\w./:=+-]+", word) else '"'
+            is_plain = re.fullmatch(r"[\w./:=+-]+", word) or self.holds_words(word)
+            quote = "" if is_plain else '"'
             pieces += [repr(f" {quote}" if pieces else quote), self.path(word), repr(quote)]
         code = joined(pieces)
         # roslaunch takes what a command writes to stderr for no error; launch does by default.

@@ -28,9 +28,20 @@ from wsgen.packages.source_shares import serve_sources
 from wsgen.packages.workspace.overlay import overlay_of
 from wsgen.pipeline.create import write_new
 from wsgen.pipeline.prepare import PrepareContext, prepare_robot, share_on_model_path
+from wsgen.porting.existing.catkin import (
+    BUILD_FILE,
+    MANIFEST,
+    find_package,
+    is_installed,
+    port_build_file,
+    port_files,
+    port_manifest,
+    siblings_of,
+)
 from wsgen.porting.existing.comparison import compare
 from wsgen.porting.existing.extensions import DIFF_DRIVE, Extensions, Wanted, extend
 from wsgen.porting.existing.kept_xacro import FOLDER, KeptFiles, NotKeptError, keep_files
+from wsgen.porting.existing.launch_of_ros1 import Source as CatkinSource
 from wsgen.porting.existing.reading import KINDS, read_robot, refuse
 from wsgen.porting.existing.resources import (
     CONFIG,
@@ -66,6 +77,8 @@ if TYPE_CHECKING:
 
 TEMPLATE = "existing"
 MAIN, EXTENSIONS = "model/robot.xacro", "model/robot.gazebo"
+WORLD_FILE, BRIDGE_FILE = "model/empty_world.world", "config/bridge.yaml"
+RVIZ_FILE = "config/robot.rviz"
 _NOT_NEEDED = ("model/inertia.xacro",)  # of the files of other templates
 _CLEARANCE = 0.005  # m, under the robot when it is spawned
 _LICENSE = re.compile(r"<license[^>]*>([^<]+)</license>")
@@ -191,8 +204,23 @@ class _Making:
         license_text = self._take_license()
         if license_text is not None:
             files["LICENSE"] = license_text
-        added = {"robot": self._facts(texts, prepared), "files": [*files]}
+        catkin = self._catkin(texts)
+        if catkin is not None:
+            ported = port_files(catkin)
+            files = {**ported.files, **files}
+            needs = [(kind, one) for kind, names in self.spec.dependencies.items() for one in names]
+            needs += [("exec_depend", one) for one in ported.packages]
+            manifest = port_manifest(catkin, needs, self.spec.license)
+            self.unported += (*ported.notes, *manifest.notes)
+            launch = [path for path in ported.files if path.endswith(".launch.py")]
+            if launch:
+                self.notes.append(f"Ported the launch files of ROS 1: {', '.join(launch)}.")
+        installed = [path for path in files if "/" not in path or is_installed(path)]
+        added = {"robot": self._facts(texts, prepared), "files": installed}
         rendered = render_package(self.spec, self.template, added)
+        if catkin is not None:
+            built = port_build_file(catkin, files, rendered[BUILD_FILE])
+            rendered |= {MANIFEST: manifest.text, BUILD_FILE: built}
         return dict(sorted({**rendered, **files}.items()))
 
     def _written(self) -> str:
@@ -416,6 +444,32 @@ class _Making:
             "bolted": self.root,
             "root": self.root or (robot.root if robot else ""),
         }
+
+    def _catkin(self, texts: KeptFiles) -> CatkinSource | None:
+        """The package of ROS 1 that the robot is of, if it is."""
+        manifest = find_package(self.source.file, self.source.packages.values())
+        if manifest is None or manifest.file is None:
+            return None
+        folder = manifest.file.parent
+        places = {**texts.places, self.source.file: texts.main}
+        for name, content in self.description.meshes.items():
+            if isinstance(content, Path):
+                places[content] = self.resources.names[name]
+        return CatkinSource(
+            folder,
+            manifest.name,
+            self.spec.name,
+            self.spec.target,
+            siblings=siblings_of(folder),
+            default_world=WORLD_FILE,
+            bridge=BRIDGE_FILE if self.spec.target.simulator == SIM else None,
+            moved={
+                path.relative_to(folder).as_posix(): place
+                for path, place in places.items()
+                if path.is_relative_to(folder)
+            },
+            rviz=RVIZ_FILE,
+        )
 
     def _note_files(self) -> None:
         renamed = {
