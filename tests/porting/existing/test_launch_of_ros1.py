@@ -399,6 +399,34 @@ def test_the_simulator_of_gazebo_classic(package: Any) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("target", ["jazzy", "humble"])
+def test_the_robot_with_what_the_simulator_needs(package: Any, target: str) -> None:
+    """The template's file has it; spawners of ROS 2 do not expand xacro."""
+    made = package(
+        '<arg name="file" default="$(find my_robot)/urdf/r.urdf"/>\n'
+        '<param name="other" textfile="$(arg file)"/>\n'
+        '<node pkg="gazebo_ros" type="spawn_model" name="s" args="-urdf -model r -file '
+        '$(find my_robot)/urdf/r.urdf"/>',
+        target,
+        model__robot_dot_xacro=URDF.replace('"r"', '"whole"'),
+    )
+    made.source = made.source._replace(
+        robot="urdf/r.urdf", model="model/robot.xacro", entity="my_robot"
+    )
+    plan = made.plan()
+    assert str(plan.arguments[0].default).endswith("/model/robot.xacro")
+    if target == "humble":
+        spawner = process(plan, "spawn_entity.py")
+        assert spawner.arguments == ("-topic", "robot_description", "-entity", "my_robot")
+        text = process(plan, "robot_state_publisher").parameters["robot_description"]
+    else:
+        spawner = process(plan, "create")
+        assert (spawner.arguments[0], *spawner.arguments[2:]) == ("-string", "-name", "my_robot")
+        text = spawner.arguments[1]
+    assert '<robot name="whole">' in text
+
+
+@pytest.mark.slow
 def test_a_robot_in_a_parameter(package: Any) -> None:
     plan = package(
         f"{DESCRIBED}\n"

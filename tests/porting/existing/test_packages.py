@@ -124,7 +124,7 @@ def test_the_launch_files_of_ros_1(
     plan = json.loads(capsys.readouterr().out)
     started = {one["executable"]: one for one in plan["processes"]}
     assert set(started) == {"parameter_bridge", "robot_state_publisher", "rviz2", "create"}
-    assert started["create"]["arguments"] == ["-topic", "robot_description", "-name", "a"]
+    assert started["create"]["arguments"] == ["-topic", "robot_description", "-name", "my_arm"]
     assert started["rviz2"]["arguments"][1].endswith("my_arm/config/robot.rviz")
     again = new(package, name="again")
     assert again == 0

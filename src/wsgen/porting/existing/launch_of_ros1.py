@@ -99,6 +99,9 @@ class Source(NamedTuple):
     bridge: str | None = None  # file of the package with what is bridged; None: only the clock
     controllers: frozenset[str] = frozenset()  # of ros2_control, that the package has
     moved: Mapping[str, str] = {}  # files of the package that are elsewhere now, by path
+    robot: str = ""  # file of the package with the robot
+    model: str = ""  # file of xacro that has it now, with what the simulator needs besides
+    entity: str = ""  # what the simulator calls it, so that its topics are those of the bridge
     rviz: str | None = None  # file of the package with what RViz shows, where the named one lacks
 
 
@@ -302,6 +305,14 @@ class _Port:
             place = self.source.rviz  # rviz shows nothing then; exports of SolidWorks name such one
         return path if place is None else f"$(find {self.source.old})/{place}"
 
+    def _model(self, path: str) -> str | None:
+        """Where the robot of the package is, if a path leads to its description."""
+        found = _FIND.fullmatch(path.strip())
+        is_robot = found is not None and found[1] == self.source.old and self.source.robot
+        if not is_robot or found is None or found[2] != self.source.robot:
+            return None
+        return f"$(find {self.source.old})/{self.source.model}"
+
     @cached_property
     def _all_files(self) -> list[str]:
         return files_in(self.source.folder)
@@ -372,6 +383,8 @@ class _Port:
                 "by default now.",
                 "Remove it.",
             )
+        if self._is_expanded(name):
+            default = self._model(default or "") or default
         if any(_ARGUMENT.sub(r"\1", one.get("file", "")) == name for one in self._includes):
             default = ported_name(default) if default and default.endswith(ENDINGS) else default
         call = self.values.call(
@@ -382,6 +395,16 @@ class _Port:
             condition=condition,
         )
         return [_Action(call, is_setting=True)]
+
+    def _is_expanded(self, name: str) -> bool:
+        """Whether an argument is the file of a parameter, and given to no program."""
+        uses = [
+            attribute
+            for one in self.root.iter("param", "node", "arg")
+            for attribute, text in _attributes(one).items()
+            if f"$(arg {name})" in text
+        ]
+        return bool(uses) and {*uses} <= {"command", "textfile"}
 
     def _is_used(self, name: str) -> bool:
         word = re.escape(name)
@@ -497,6 +520,12 @@ class _Port:
                 "Give it another value in the launch file.",
             )
         words = words[2:] if words[:1] == ["rosrun"] else words
+        models = [self._model(one) for one in words]
+        if any(models):
+            words = [
+                one if model is None else model for one, model in zip(words, models, strict=True)
+            ]
+            words[0] = "xacro"
         program = words[0].rpartition("/")[2] if words else ""
         if program in {"xacro", "xacro.py"}:
             self.packages.add("xacro")
@@ -761,8 +790,12 @@ class _Port:
             )
         actions: list[_Action] = []
         arguments: list[Code] = []
-        if "file" in options:
-            arguments += ["'-file'", self.values.path(options["file"][0])]
+        file = options.get("file", [""])[0]
+        model = self._model(file)
+        if model is not None:
+            actions += self._expanded(model, arguments)
+        elif "file" in options:
+            arguments += ["'-file'", self.values.path(file)]
         elif "param" in options:
             actions += self._described(options["param"][0].strip("/") or DESCRIPTION, arguments)
         else:
@@ -770,6 +803,8 @@ class _Port:
                 "What spawn_model spawned is neither in a file nor in a parameter.",
                 "Name the file of the model with -file.",
             )
+        if self.source.entity and self._spawns_one(options):
+            options["model"] = [self.source.entity]
         flags = {"model": self.sim["entity_flag"]}
         flags |= {flag[1:]: flag for flag in self.sim["pose_flags"].split()}
         for name, flag in flags.items():
@@ -779,6 +814,31 @@ class _Port:
         self.packages.add(self.sim["package"])
         call = self._node_call(self.sim["package"], self.sim["spawner"], keywords)
         return [*actions, _Action(call, "spawn_robot")]
+
+    def _spawns_one(self, options: Mapping[str, list[str]]) -> bool:
+        """Whether it is surely the robot of the package that is spawned, and once."""
+        types = [one.get("type", "") for one in self.root.iter("node")]
+        is_named = "$(" not in options.get("model", ["$("])[0]
+        return is_named and "sdf" not in options and types.count("spawn_model") == 1
+
+    def _expanded(self, model: str, arguments: list[Code]) -> list[_Action]:
+        """Add the robot that was in a file, as xacro expands it."""
+        self.packages.add("xacro")
+        command = self.values.command(["xacro", model])
+        if self.source.target.simulator == SIM:
+            arguments += ["'-string'", command]
+            return []
+        arguments += [repr(self.sim["topic_flag"]), repr(DESCRIPTION)]
+        if self.has_publisher:
+            return []
+        value = self.values.call("ParameterValue", command, value_type="str")
+        return [self._publisher(listed([mapped([(DESCRIPTION, value)])]))]
+
+    def _publisher(self, parameters: Code | None = None) -> _Action:
+        self.packages.add(PUBLISHER)
+        keywords: dict[str, Code] = {"output": "'screen'"}
+        keywords |= {"parameters": parameters} if parameters is not None else {}
+        return _Action(self._node_call(PUBLISHER, PUBLISHER, keywords), PUBLISHER)
 
     def _described(self, parameter: str, arguments: list[Code]) -> list[_Action]:
         """Add where the spawner has the robot from: a topic, if there is one, or a parameter."""
@@ -792,9 +852,7 @@ class _Port:
             arguments += ["'-param'", self.values.text(dotted(parameter))]
             return []
         arguments += [repr(self.sim["topic_flag"]), topic]
-        self.packages.add(PUBLISHER)
-        call = self._node_call(PUBLISHER, PUBLISHER, {"output": "'screen'"})
-        return [_Action(call, PUBLISHER)]
+        return [self._publisher()]
 
     # Nodes
 

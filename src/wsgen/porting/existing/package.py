@@ -468,6 +468,9 @@ class _Making:
                 for path, place in places.items()
                 if path.is_relative_to(folder)
             },
+            robot=self.source.file.relative_to(folder).as_posix(),
+            model=MAIN,
+            entity=self.spec.name,
             rviz=RVIZ_FILE,
         )
 
