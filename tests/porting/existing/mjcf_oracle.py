@@ -17,9 +17,9 @@ import trimesh
 os.environ["MUJOCO_GL"] = "disable"
 import mujoco
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
+from porting.existing.urdf_oracle import frame_of, poses, tensor, vector
 
+if TYPE_CHECKING:
     from wsgen.porting.existing.description import Description
 
 HIDDEN = 3  # the first group of geoms that viewers do not show
@@ -37,68 +37,6 @@ class Found:
     bodies: int = 0
     joints: int = 0
     shapes: int = 0
-
-
-def vector(text: str | None, default: tuple[float, ...]) -> Any:
-    return np.array([float(word) for word in text.split()] if text else default)
-
-
-def frame_of(element: ET.Element | None) -> Any:
-    origin = None if element is None else element.find("origin")
-    frame = np.eye(4)
-    if origin is not None:
-        roll, pitch, yaw = vector(origin.get("rpy"), (0.0, 0.0, 0.0))
-        (a, b, c), (d, e, f) = np.cos([roll, pitch, yaw]), np.sin([roll, pitch, yaw])
-        frame[:3, :3] = (
-            np.array([[c, -f, 0], [f, c, 0], [0, 0, 1]])
-            @ np.array([[b, 0, e], [0, 1, 0], [-e, 0, b]])
-            @ np.array([[1, 0, 0], [0, a, -d], [0, d, a]])
-        )
-        frame[:3, 3] = vector(origin.get("xyz"), (0.0, 0.0, 0.0))
-    return frame
-
-
-def moved(joint: ET.Element, position: float) -> Any:
-    frame = np.eye(4)
-    axis = joint.find("axis")
-    direction = vector(None if axis is None else axis.get("xyz"), (1.0, 0.0, 0.0))
-    if joint.get("type") == "prismatic":
-        frame[:3, 3] = direction * position
-    elif joint.get("type") in {"revolute", "continuous"}:
-        x, y, z = direction
-        cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-        frame[:3, :3] = (
-            np.eye(3) + np.sin(position) * cross + (1 - np.cos(position)) * cross @ cross
-        )
-    return frame
-
-
-def poses(robot: ET.Element, positions: Mapping[str, float]) -> dict[str, Any]:
-    """The frames of all links in that of the root."""
-    joints = {joint.find("child").get("link"): joint for joint in robot.findall("joint")}  # type: ignore[union-attr]
-    found: dict[str, Any] = {}
-
-    def place(link: str) -> Any:
-        if link not in found:
-            joint = joints.get(link)
-            if joint is None:
-                found[link] = np.eye(4)
-            else:
-                parent = joint.find("parent").get("link")  # type: ignore[union-attr]
-                turn = moved(joint, positions.get(str(joint.get("name")), 0.0))
-                found[link] = place(str(parent)) @ frame_of(joint) @ turn
-        return found[link]
-
-    for link in robot.findall("link"):
-        place(str(link.get("name")))
-    return found
-
-
-def tensor(inertia: ET.Element) -> Any:
-    xx, xy, xz, yy, yz, zz = (
-        float(inertia.get(one) or 0) for one in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-    )
-    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
 def load(found: Path | bytes, name: str) -> Any:
@@ -153,7 +91,7 @@ def geom_points(model: Any, geom: int) -> list[Any]:
     if kind == kinds.mjGEOM_ELLIPSOID:
         half = np.diag(np.sqrt(((turn * size) ** 2).sum(1)))
         return [np.vstack([half, -half]) + at]
-    if kind == kinds.mjGEOM_MESH:
+    if kind in {kinds.mjGEOM_MESH, kinds.mjGEOM_SDF}:
         mesh = model.geom_dataid[geom]
         start = model.mesh_vertadr[mesh]
         points = model.mesh_vert[start : start + model.mesh_vertnum[mesh]]

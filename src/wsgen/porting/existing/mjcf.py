@@ -52,6 +52,7 @@ class Compiled(NamedTuple):
 
     robot: Robot
     said: tuple[Said, ...]
+    crosses: tuple[str, ...]  # the links between the joints of a body
 
 
 def read_mjcf(file: Path, *, folder: Path | None = None) -> Description:
@@ -91,7 +92,9 @@ def read_mjcf(file: Path, *, folder: Path | None = None) -> Description:
             )
         compiled = decode(outcome.value, Compiled)
         notes = [_note(said, file, sources) for said in compiled.said]
-        return describe(compiled.robot, file=file, notes=notes, scratch=scratch)
+        return describe(
+            compiled.robot, file=file, notes=notes, scratch=scratch, crosses=compiled.crosses
+        )
 
 
 def _project_of(file: Path) -> Path:

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wsgen.descriptions.meshes.stl import write_stl
-from wsgen.descriptions.sdf.assembly import CROSS
 from wsgen.model.robot import (
     Box,
     Capsule,
@@ -98,6 +97,7 @@ class _Reader:
             "mesh": spec.meshes,
         }
         self.links: list[Link] = []
+        self.crosses: list[str] = []
         self.joints: list[Joint] = []
         self.link_names: dict[int, str] = {}
         self.joint_names: dict[int, str] = {}
@@ -129,7 +129,7 @@ class _Reader:
             joints=tuple(self.joints),
             fixed_to_world=not is_floating,
         )
-        return Compiled(robot, tuple(self.said))
+        return Compiled(robot, tuple(self.said), tuple(self.crosses))
 
     def _is_free(self, body: int) -> bool:
         joint = self.model.body_jntadr[body]
@@ -202,7 +202,8 @@ class _Reader:
             if joint != joints[-1]:
                 child = free(f"{self.joint_names[joint]}_link", self.taken)
                 self.taken.add(child)
-                self.links.append(Link(name=child, inertial=CROSS))
+                self.links.append(Link(name=child))
+                self.crosses.append(child)
             before, rest = self._around(joint)
             self.joints.append(self._joint(joint, parent, child, place @ before, efforts))
             place, parent = rest, child
@@ -299,6 +300,7 @@ class _Reader:
             visuals=tuple(visuals),
             collisions=tuple(collisions),
             gravity=bool(model.body_gravcomp[body] != 1),
+            line=_line(self._element("body", body)) or None,
         )
 
     def _rgba(self, geom: int) -> Rgba:

@@ -9,12 +9,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wsgen.descriptions.meshes.inspection import inspect_meshes
 from wsgen.descriptions.meshes.shape_meshes import build_shapes
-from wsgen.descriptions.sdf.assembly import CROSS
 from wsgen.model.robot import (
     STOP,
     Box,
     Capsule,
+    Collision,
     Cylinder,
     JointLimit,
     JointType,
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.robot import Collision, Geometry, Inertial, Joint, Rgba, Robot, Visual
+    from wsgen.model.robot import Geometry, Inertial, Joint, Rgba, Robot, Visual
 
 
 # Between two joints of one body is a link with this share of its mass. Simulators drop a link of 0;
@@ -54,12 +55,13 @@ def free(name: str, taken: Collection[str]) -> str:
     return found
 
 
-def describe(
+def describe(  # noqa: PLR0913  what a reader knows
     robot: Robot,
     *,
     file: Path,
     notes: Iterable[Unported],
     scratch: Path,
+    crosses: Collection[str] = (),
     extensions: Iterable[str] = (),
 ) -> Description:
     """The robot as a URDF.
@@ -69,10 +71,14 @@ def describe(
         file: It was read from.
         notes: What is known already not to be in the URDF.
         scratch: A folder for files that are made; meshes that are in it become bytes.
+        crosses: The names of links between two joints of one body; they get a share of its mass.
         extensions: `<gazebo>` elements to add, as they are written.
     """
-    robot = _with_shares(_without_balls(robot))
-    robot, found = build_shapes(robot, file=file, folder=scratch)
+    robot, between = _without_balls(robot)
+    robot = _with_shares(robot, {*crosses, *between})
+    robot, of_shapes = build_shapes(robot, file=file, folder=scratch)
+    robot, of_parts = _with_parts(robot, file, scratch)
+    notes = (*notes, *_too_light(robot, file))
     writer = _Writer(robot, scratch)
     text = "\n".join((*writer.lines(extensions), ""))
     return Description(
@@ -80,7 +86,7 @@ def describe(
         text=text,
         file=file,
         meshes=writer.meshes,
-        notes=(*notes, *(as_note(one, file) for one in found)),
+        notes=(*notes, *(as_note(one, file) for one in (*of_shapes, *of_parts))),
     )
 
 
@@ -94,15 +100,19 @@ def as_note(diagnostic: Diagnostic, file: Path) -> Unported:
     )
 
 
-def _without_balls(robot: Robot) -> Robot:
-    """The robot with three revolute joints, about x, y and z, in the place of each ball joint."""
-    links, joints = list(robot.links), []
+def _without_balls(robot: Robot) -> tuple[Robot, list[str]]:
+    """The robot with three revolute joints, about x, y and z, in the place of each ball joint.
+
+    Beside it are the names of the links between them.
+    """
+    joints: list[Joint] = []
+    crosses: list[str] = []
     for joint in robot.joints:
         if joint.type is not JointType.BALL:
             joints.append(joint)
             continue
         between = [f"{joint.name}_x_link", f"{joint.name}_y_link"]
-        links += (Link(name=name, inertial=CROSS, line=joint.line) for name in between)
+        crosses += between
         ends = [joint.parent, *between, joint.child]
         for number, (letter, axis) in enumerate(AXES.items()):
             joints.append(
@@ -116,11 +126,58 @@ def _without_balls(robot: Robot) -> Robot:
                     axis_in_joint=axis,
                 )
             )
-    return replace(robot, links=tuple(links), joints=tuple(joints))
+    links = (*robot.links, *(Link(name=name) for name in crosses))
+    return replace(robot, links=links, joints=tuple(joints)), crosses
 
 
-def _with_shares(robot: Robot) -> Robot:
-    """The robot with a share of a body in each link before it that is a `CROSS`.
+def _with_parts(robot: Robot, file: Path, scratch: Path) -> tuple[Robot, tuple[Diagnostic, ...]]:
+    """The robot with a mesh of its own for each part of a file that it takes alone."""
+    shapes = [one.geometry for link in robot.links for one in link.visuals]
+    shapes += [one.geometry for link in robot.links for one in link.collisions]
+    parts = dict.fromkeys(one for one in shapes if isinstance(one, Mesh) and one.part and one.path)
+    if not parts:
+        return robot, ()
+    asked = {f"{number}": mesh for number, mesh in enumerate(parts)}
+    links = (Link(name=name, collisions=(Collision(geometry=one),)) for name, one in asked.items())
+    answered, found = inspect_meshes(replace(robot, links=tuple(links)), file=file, folder=scratch)
+    alone = {}
+    for link in answered.links:
+        mesh = asked[link.name]
+        shape = link.collisions[0].geometry
+        path = shape.path if isinstance(shape, Mesh) else None
+        name = mesh.part.name if mesh.part else ""
+        alone[mesh] = replace(mesh, part=None, path=path, uri=f"{Path(mesh.uri).stem}_{name}")
+
+    def own(geometry: Geometry) -> Geometry:
+        return alone.get(geometry, geometry) if isinstance(geometry, Mesh) else geometry
+
+    links = (
+        replace(
+            link,
+            visuals=tuple(replace(one, geometry=own(one.geometry)) for one in link.visuals),
+            collisions=tuple(replace(one, geometry=own(one.geometry)) for one in link.collisions),
+        )
+        for link in robot.links
+    )
+    return replace(robot, links=tuple(links)), found
+
+
+def _too_light(robot: Robot, file: Path) -> Iterator[Unported]:
+    """The links that Gazebo drops from a URDF, though not from another file."""
+    moving = {joint.child for joint in robot.joints if joint.is_movable}
+    for link in robot.links:
+        if link.name in moving and link.inertial is not None and link.inertial.mass < LEAST_MASS:
+            yield Unported(
+                file=file,
+                line=link.line or 1,
+                what=f"The link `{link.name}` has a mass of {link.inertial.mass:g} kg. In a URDF "
+                "Gazebo takes that for 0: it leaves out the link, and all behind it.",
+                advice=f"Write {LEAST_MASS:g} kg or more.",
+            )
+
+
+def _with_shares(robot: Robot, crosses: Collection[str]) -> Robot:
+    """The robot with a share of a body in each link between the joints before it.
 
     They have one center of mass, and what they have together is the inertia of the body, as long
     as the joints between them are at 0.
@@ -128,21 +185,19 @@ def _with_shares(robot: Robot) -> Robot:
     above = {joint.child: joint for joint in robot.joints}
     links = {link.name: link for link in robot.links}
     for name, link in list(links.items()):
-        pose, crosses = IDENTITY, []
-        joint = above.get(name)
-        while link.inertial != CROSS and joint is not None:
+        pose, before = IDENTITY, []
+        joint = None if name in crosses else above.get(name)
+        while joint is not None and joint.parent in crosses:
             pose = compose(joint.pose_in_parent, pose)
-            if links[joint.parent].inertial != CROSS:
-                break
-            crosses.append((joint.parent, pose))
+            before.append((joint.parent, pose))
             joint = above.get(joint.parent)
-        if crosses and link.inertial is not None and link.inertial.mass > 0:
+        if before and link.inertial is not None and link.inertial.mass > 0:
             share = min(LARGEST_SHARE, max(SHARE, LEAST_MASS / link.inertial.mass))
-            for cross, place in crosses:
+            for cross, place in before:
                 part = _scaled(link.inertial, share)
                 moved = replace(part, pose_in_link=compose(place, part.pose_in_link))
                 links[cross] = replace(links[cross], inertial=moved)
-            rest = _scaled(link.inertial, 1 - share * len(crosses))
+            rest = _scaled(link.inertial, 1 - share * len(before))
             links[name] = replace(link, inertial=rest)
     return replace(robot, links=tuple(links.values()))
 
@@ -333,6 +388,11 @@ def _gazebo(reference: str, lines: Iterable[str]) -> Iterator[str]:
         yield f"  <gazebo reference={quoted(reference)}>"
         yield from written
         yield "  </gazebo>"
+
+
+def pose_text(pose: Pose) -> str:
+    """The six numbers of a pose, as SDF has them."""
+    return f"{_rounded(pose.xyz)} {_rounded(pose.rpy)}"
 
 
 def _origin(pose: Pose, indent: str) -> Iterator[str]:
