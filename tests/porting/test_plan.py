@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shutil
@@ -199,6 +200,10 @@ def test_files_that_git_does_not_have_are_not_changed(
     subprocess.run(["git", "init", "-q"], cwd=tmp_path, check=True)
     assert run(["port", str(package), "--to", "jazzy"]) == 2
     assert "changes that are not committed" in capsys.readouterr().err
+    assert run(["port", str(package), "--to", "jazzy", "--diff", "--format", "json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["written"] is False
+    assert {"path": str(package / "package.xml"), "new": False} in document["files"]
     assert run(["port", str(package), "--to", "jazzy", "--diff"]) == 0
     diff = capsys.readouterr().out
     assert "-  <exec_depend>gazebo_ros</exec_depend>" in diff

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import subprocess
@@ -533,6 +534,12 @@ def test_differences_are_an_exit_code(tmp_path: Path, capsys: pytest.CaptureFixt
     words = ["port", after, "--to", "jazzy", "--check", "--before", before]
     assert wsgen.cli.run([*words, "--quiet"]) == 1
     assert capsys.readouterr().out == "  cart  mass  3.1 kg  2.1 kg  different\n"
+    assert wsgen.cli.run([*words, "--quiet", "--format", "json"]) == 1
+    (robot,) = json.loads(capsys.readouterr().out)["robots"]
+    found = {one["aspect"]: (one["same"], one["difference"]) for one in robot["aspects"]}
+    assert found["mass"] == (False, None)
+    assert found["rest pose"][1] is not None
+    assert all(found[drive][1] is not None for drive in DRIVES)
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from wsgen.building.colcon import PackageResult
 from wsgen.building.run import BuildResult
+from wsgen.checks.fixes.plan import FileFix
 from wsgen.checks.rules.catalogue import UNKNOWN_RULE_ALLOWED
 from wsgen.diagnostics import Diagnostic, Measured, Severity
 from wsgen.model.behavior import BehaviorOutcome, Drive, Reach
@@ -21,7 +22,16 @@ from wsgen.model.outcome import (
 )
 from wsgen.model.transform import Pose
 from wsgen.model.world import PlacedModel, World
-from wsgen.reporting.json_report import render_build, render_outcome, render_rules
+from wsgen.porting.plan import PortPlan
+from wsgen.porting.ported import Unported
+from wsgen.porting.proof import Compared, Proof
+from wsgen.reporting.json_report import (
+    render_build,
+    render_outcome,
+    render_port,
+    render_proof,
+    render_rules,
+)
 
 BEHAVIORS = (
     BehaviorOutcome(
@@ -244,7 +254,9 @@ def keys(value: object, path: str = "") -> set[str]:
 def documented_keys(command: str) -> set[str]:
     """The keys that docs/json.md lists for a command."""
     text = (Path(__file__).parents[2] / "docs" / "json.md").read_text(encoding="utf-8")
-    (section,) = (part for part in text.split("# The JSON of ") if part.startswith(f"`{command}`"))
+    (section,) = (
+        part for part in text.split("# The JSON of ") if part.startswith(f"`{command}`\n")
+    )
     return {line.split("`")[1] for line in section.splitlines() if line.startswith("| `")}
 
 
@@ -302,6 +314,42 @@ def test_every_key_of_a_build() -> None:
         "seconds": 2.0,
     }
     assert documented_keys("wsgen build") == keys(document)
+
+
+def test_every_key_of_a_port() -> None:
+    fix = FileFix(file=Path("/p/b.xml"), before="", after="", data=b"", fixed=())
+    plan = PortPlan(
+        files=(fix,),
+        created=((Path("/p/w.sdf"), ""),),
+        unported=(Unported(Path("/p/a.py"), 3, "It was.", "Write it."),),
+        packages=("p",),
+    )
+    document = json.loads(render_port(plan, is_written=True))
+    assert document == {
+        "version": 1,
+        "written": True,
+        "packages": ["p"],
+        "files": [{"path": "/p/w.sdf", "new": True}, {"path": "/p/b.xml", "new": False}],
+        "left": [{"file": "/p/a.py", "line": 3, "what": "It was.", "advice": "Write it."}],
+    }
+    assert documented_keys("wsgen port") == keys(document)
+
+
+def test_every_key_of_a_proof() -> None:
+    rows = (
+        Compared("a", "topics", "1", "1", is_same=False),
+        Compared("a", "/scan", "frame x", "frame y", is_same=False, is_detail=True),
+        Compared("a", "turn", "1 rad", "1.1 rad", is_same=False, difference=0.1),
+        Compared("b", "rest pose", "0 m", "not simulated", is_same=None),
+    )
+    document = json.loads(render_proof(Proof(before="as it is", rows=rows)))
+    one = {"aspect": "topics", "before": "1", "after": "1", "same": False, "difference": None}
+    detail = {"aspect": "/scan", "before": "frame x", "after": "frame y", "same": False}
+    assert document["robots"][0]["aspects"][0] == {**one, "details": [detail]}
+    assert document["robots"][0]["aspects"][1]["difference"] == 0.1
+    assert [one["robot"] for one in document["robots"]] == ["a", "b"]
+    assert (document["passed"], document["before"]) == (False, "as it is")
+    assert documented_keys("wsgen port --check") == keys(document)
 
 
 def test_no_robot_is_no_pass() -> None:

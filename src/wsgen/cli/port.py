@@ -6,7 +6,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wsgen.cli.options import Choice, ExampleCommand, output_options, workspace_option
+from wsgen.cli.options import (
+    Choice,
+    ExampleCommand,
+    format_option,
+    output_options,
+    workspace_option,
+)
 from wsgen.cli.terminal import draw_table, echo, echo_next
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, RequestError
 from wsgen.model.facts import WITHOUT_CLASSIC
@@ -50,6 +56,7 @@ if TYPE_CHECKING:
     metavar="FOLDER",
     help="With --check: the packages before their port, if git does not have them.",
 )
+@format_option
 @output_options
 def command(
     paths: tuple[str, ...],
@@ -60,6 +67,7 @@ def command(
     force: bool,
     is_proof: bool,
     before: str | None,
+    output_format: str,
     quiet: bool,
     verbose: bool,
 ) -> int:
@@ -79,23 +87,25 @@ def command(
     _refuse_useless(is_proof=is_proof, before=before, writes=diff or force)
     targets = _require_packages(find_targets([Path(path) for path in paths], workspace))
     target = Target(distro=distro, simulator=SIM)
+    is_text = output_format == "text"
     if is_proof:
-        return _prove(targets, target, before, quiet=quiet, verbose=verbose)
+        return _prove(targets, target, before, is_text=is_text, quiet=quiet, verbose=verbose)
     plan = plan_port(targets, target, os.environ)
     if (plan.files or plan.created) and not (diff or force):
         refuse_unsaved(package.path for package in targets.packages)
-    if diff or verbose:
+    if is_text and (diff or verbose):
         _print_diff(plan)
-    if diff:
-        for line in _left(plan):
-            echo(line, err=True)
-        return EXIT_PASSED
-    for file in write_port(plan):
+    for file in () if diff else write_port(plan):
         if not quiet:
             echo(f"Ported {short_name(file)}", err=True)
-    for line in _summary(plan, quiet=quiet):
-        echo(line)
-    if plan.files and not quiet:
+    if is_text:
+        for line in _left(plan) if diff else _summary(plan, quiet=quiet):
+            echo(line, err=diff)
+    else:
+        from wsgen.reporting.json_report import render_port
+
+        echo(render_port(plan, is_written=not diff), nl=False)
+    if plan.files and not (diff or quiet):
         echo_next(f"Next: wsgen check --distro {distro}  (then build and validate)")
     return EXIT_PASSED
 
@@ -116,7 +126,13 @@ def _refuse_useless(*, is_proof: bool, before: str | None, writes: bool) -> None
 
 
 def _prove(
-    targets: Targets, target: Target, before: str | None, *, quiet: bool, verbose: bool
+    targets: Targets,
+    target: Target,
+    before: str | None,
+    *,
+    is_text: bool,
+    quiet: bool,
+    verbose: bool,
 ) -> int:
     """Compare the robots before and after a port; gives the exit code."""
     import os
@@ -136,8 +152,13 @@ def _prove(
             before=None if before is None else find_targets([Path(before)]),
             listener=listener,
         )
-    for line in _compared(proof, quiet=quiet):
-        echo(line)
+    if is_text:
+        for line in _compared(proof, quiet=quiet):
+            echo(line)
+    else:
+        from wsgen.reporting.json_report import render_proof
+
+        echo(render_proof(proof), nl=False)
     return EXIT_PASSED if proof.passed else EXIT_FAILED
 
 

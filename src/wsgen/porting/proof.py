@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 # What stays the same: m and degrees of the rest pose, the share of a way, and of a mass.
 NEAR, TILTED = 0.005, 1.0
-SHARE, LEAST_WAY = 0.05, 0.01  # the second in m or rad
+SHARE, LEAST_WAY = 0.05, 0.2  # the second in m or rad: of a shorter way, it is a share of this
 OF_MASS = 1e-3
 # A type of messages in Gazebo Classic -> that which takes its place in Gazebo Sim.
 _SUCCESSORS = {"gazebo_msgs/ContactsState": "ros_gz_interfaces/Contacts"}
@@ -59,6 +59,8 @@ class Compared(NamedTuple):
     after: str
     is_same: bool | None  # None: it cannot be compared
     is_detail: bool = False  # of the one before it
+    # By how much it differs, where that is a number: m of the rest pose, the share of a way.
+    difference: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -339,7 +341,8 @@ def _compare_rest(name: str, old: Measured, new: Measured) -> Compared:
     trace = sum(turn[axis][axis] for axis in range(3))
     angle = math.degrees(math.acos(max(-1.0, min(1.0, (trace - 1) / 2))))
     after = f"{away * 1000:.1f} mm and {angle:.1f}° away"
-    return Compared(name, "rest pose", shown(old), after, away < NEAR and angle < TILTED)
+    is_same = away < NEAR and angle < TILTED
+    return Compared(name, "rest pose", shown(old), after, is_same, difference=away)
 
 
 def _compare_topics(
@@ -383,11 +386,12 @@ def _compare_ways(name: str, old: Measured, new: Measured) -> Iterator[Compared]
             is_same = None if new.is_left_out else False
             yield Compared(name, task, _shown_way(way), "not driven", is_same)
             continue
-        length, turn = math.hypot(*way[:2]), abs(way[2])
-        is_same = math.dist(way[:2], other[:2]) <= max(LEAST_WAY, SHARE * length) and (
-            abs(way[2] - other[2]) <= max(LEAST_WAY, SHARE * turn)
+        away, turned = math.dist(way[:2], other[:2]), abs(way[2] - other[2])
+        share = max(
+            away / max(math.hypot(*way[:2]), LEAST_WAY), turned / max(abs(way[2]), LEAST_WAY)
         )
-        yield Compared(name, task, _shown_way(way), _shown_way(other), is_same)
+        shown = _shown_way(way), _shown_way(other)
+        yield Compared(name, task, *shown, share <= SHARE, difference=share)
 
 
 def _shown_way(way: tuple[float, float, float]) -> str:

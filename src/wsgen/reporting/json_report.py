@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from wsgen.model.transform import Pose
     from wsgen.pipeline.create import CreatedPackage
     from wsgen.porting.existing.package import ExistingRobot
+    from wsgen.porting.plan import PortPlan
+    from wsgen.porting.proof import Proof
     from wsgen.templating.spec import Variable
     from wsgen.templating.template import Template
 
@@ -303,6 +305,35 @@ def _requirement(one: Requirement) -> dict[str, object]:
         "text": one.text,
         "fix": one.fix or None,
     }
+
+
+def render_port(plan: PortPlan, *, is_written: bool) -> str:
+    """What a port changes and leaves, for `wsgen port`; docs/json.md lists the keys."""
+    return _document(
+        written=is_written,
+        packages=list(plan.packages),
+        files=[
+            *({"path": _plain(file), "new": True} for file, _ in plan.created),
+            *({"path": _plain(fix.file), "new": False} for fix in plan.files),
+        ],
+        left=[fields(one, "file line what advice") for one in plan.unported],
+    )
+
+
+def render_proof(proof: Proof) -> str:
+    """Robots before and after a port, for `wsgen port --check`; docs/json.md lists the keys."""
+    robots: dict[str, list[dict[str, Any]]] = {}
+    for row in proof.rows:
+        aspects = robots.setdefault(row.robot, [])
+        found = {**fields(row, "aspect before after"), "same": row.is_same}
+        if row.is_detail:
+            aspects[-1]["details"].append(found)
+        else:
+            aspects.append({**found, **fields(row, "difference"), "details": []})
+    return _document(
+        **fields(proof, "passed before"),
+        robots=[{"robot": robot, "aspects": aspects} for robot, aspects in robots.items()],
+    )
 
 
 def render_rules(rules: Iterable[Rule]) -> str:
