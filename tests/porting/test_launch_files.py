@@ -299,11 +299,22 @@ def test_each_of_several_robots_has_its_bridge(text: str, line: int) -> None:
     after, port = ported(text, rows={line: OWN})
     assert not port.unported
     assert f"['/model/', name, '/scan@{SCAN.ros_type}[gz.msgs.LaserScan']," in after
-    assert "(['/model/', name, '/scan'], [name, '_space', '/scan'])," in after
+    assert "(['/model/', name, '/scan'], [*[name, '_space'], '/scan'])," in after
     assert "(['/model/', name, '/tf'], '/tf')," in after
     assert after.count("namespace='/',") == 1
     assert ("GroupAction([Node(" in after) != ("robots.append(Node(" in after)
     assert ("from launch.actions import GroupAction" in after) == ("GroupAction([" in after)
+
+
+def test_a_namespace_may_be_a_list_of_substitutions() -> None:
+    once = "    space = ['/', name]\n"
+    text = IN_FUNCTION.replace("[name, '_space']", "space").replace(
+        "    return", f"{once}    return"
+    )
+    for written in (text, text.replace(once, once + once)):
+        line = 3 + (written != text)
+        after, _ = ported(written, rows={line: OWN})
+        assert "(['/model/', name, '/scan'], [*space, '/scan'])," in after
 
 
 @pytest.mark.parametrize(

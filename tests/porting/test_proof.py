@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import json
 import os
 import re
@@ -13,7 +14,9 @@ import pytest
 
 import wsgen.cli
 from wsgen.checks.fixes.plan import FileFix
-from wsgen.errors import EXIT_REQUEST, RequestError
+from wsgen.errors import EXIT_REQUEST, NotFoundError, RequestError
+from wsgen.live.behaviors import run_live
+from wsgen.model.behavior import LiveMeasurement, TimeSeries
 from wsgen.model.target import SIM, Target
 from wsgen.model.transform import Pose
 from wsgen.pipeline.check import find_targets
@@ -24,9 +27,11 @@ from wsgen.porting.proof import Compared, compare, prove_port
 from wsgen.porting.robot_topics import RosTopic
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
+    from wsgen.model.behavior import BehaviorRun
+    from wsgen.pipeline.requests import SelectedLaunchFile, ValidateRequest
     from wsgen.porting.proof import Proof
 
 JAZZY = Target(distro="jazzy", simulator=SIM)
@@ -343,6 +348,76 @@ def test_before_is_given(tmp_path: Path) -> None:
     assert found.before == "as given"
 
 
+PLANAR = """<gazebo>
+    <plugin name="move" filename="libgazebo_ros_planar_move.so">
+      <odometry_frame>odom</odometry_frame><robot_base_frame>base</robot_base_frame>
+    </plugin>
+  </gazebo>"""
+ON_PLANE = {**CLASSIC, "urdf/cart.urdf": URDF.format(plugins=PLANAR)}
+
+
+def on_circle(seconds: float, *, speed: float, turning: float) -> TimeSeries:
+    """A robot that waits for a second, and then goes on a circle."""
+    times = [number / 10 for number in range(round(seconds * 10) + 1)]
+    places = [cmath.exp(1j * turning * max(0.0, time - 1)) * speed / turning for time in times]
+    return TimeSeries(
+        behavior="drive live",
+        seconds=tuple(times),
+        positions=tuple((place.real, place.imag, 0.1) for place in places),
+        heading=0.0,
+        speeds=(speed,) * len(times),
+        tilts=(0.0,) * len(times),
+        joint_positions={},
+    )
+
+
+@pytest.mark.slow
+def test_other_drives_are_run_with_their_launch_file(tmp_path: Path) -> None:
+    package = written(tmp_path / "src" / "cart", ON_PLANE)
+    texts: list[str] = []
+
+    def run_live(
+        selected: SelectedLaunchFile,
+        request: ValidateRequest,
+        behavior_runs: Sequence[BehaviorRun],
+    ) -> Mapping[str, LiveMeasurement]:
+        texts.append(selected.file.read_text())
+        (one,) = behavior_runs
+        series = on_circle(one.behavior.seconds, speed=0.2, turning=0.4)
+        assert request.samples == len(series.seconds) - 1
+        return {one.behavior.name: LiveMeasurement(name=one.behavior.name, time_series=series)}
+
+    clock = Clock("before", None)
+    found = measure(find_targets([package]), ENVIRONMENT, None, clock, run_live)
+    (text,) = texts
+    assert "sim.launch.py')" in text
+    assert "('/cmd_vel', 'geometry_msgs/Twist', '{linear: {x: 0.3}" in text
+    x, y, yaw = found.robots[0].ways["drive live"]
+    assert (x, y, yaw) == pytest.approx((0.8, 0.0, 1.6), rel=1e-2)
+
+    def lacks(
+        selected: SelectedLaunchFile,
+        request: ValidateRequest,
+        behavior_runs: Sequence[BehaviorRun],
+    ) -> Mapping[str, LiveMeasurement]:
+        raise NotFoundError("There is no ROS.", hint="Install it.")
+
+    (robot,) = measure(find_targets([package]), ENVIRONMENT, None, clock, lacks).robots
+    assert robot.ways == {}
+    assert robot.problem_live == "There is no ROS."
+
+
+@pytest.mark.slow
+def test_a_planar_drive_goes_the_same_way_after_the_port(tmp_path: Path) -> None:
+    targets = find_targets([written(tmp_path / "src" / "cart", ON_PLANE)])
+    plan = plan_port(targets, JAZZY, ENVIRONMENT)
+    environment = {**os.environ, **ENVIRONMENT}
+    found = prove_port(targets, JAZZY, environment, lambda: plan, run_live=run_live)
+    assert [row for row in found.rows if not row.is_same] == []
+    (way,) = (row for row in found.rows if row.aspect == "drive live")
+    assert float(way.before.split()[0]) == pytest.approx(1.2, rel=0.05)
+
+
 LOOP = """
 def generate_launch_description():
     share = get_package_share_directory('cart')
@@ -468,6 +543,19 @@ def test_bounds_of_what_is_the_same(
     change: dict[str, Any], expected: list[tuple[Any, ...]]
 ) -> None:
     assert differing(CART, replace(CART, **change)) == expected
+
+
+def test_what_was_not_run_proves_nothing() -> None:
+    lacking = replace(CART, ways={}, problem_live="There is no ROS.")
+    assert differing(lacking, CART) == [("drive live", "not driven: There is no ROS.", "", None)]
+    old, new = (replace(CART, ways={"drive live": (x, 0.0, 1.0)}) for x in (1.0, 0.9))
+    way = "1.000 0.000 m, 1.000 rad"
+    assert differing(old, new) == [("drive live", way, "0.900 0.000 m, 1.000 rad", False)]
+    otherwise = replace(CART, ways={"turn": (0.0, 0.0, 1.0)})
+    assert differing(old, otherwise) == [("drive live", way, "driven otherwise", None)]
+    assert differing(old, lacking) == [
+        ("drive live", way, "not driven: There is no ROS.", False),
+    ]
 
 
 def test_what_was_not_simulated_proves_nothing() -> None:

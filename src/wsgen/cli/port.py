@@ -138,6 +138,7 @@ def _prove(
     import os
     from pathlib import Path
 
+    from wsgen.cli.live_run import run_for_behaviors
     from wsgen.cli.progress import listening
     from wsgen.pipeline.check import find_targets
     from wsgen.porting.plan import plan_port
@@ -151,6 +152,7 @@ def _prove(
             lambda: plan_port(targets, target, os.environ),
             before=None if before is None else find_targets([Path(before)]),
             listener=listener,
+            run_live=run_for_behaviors,
         )
     if is_text:
         for line in _compared(proof, quiet=quiet):

@@ -96,15 +96,11 @@ class BridgeWriter:
         pieces: list[str] = []
         for piece in filter(None, _PLACEHOLDER.split(text)):
             node = self._names.get(piece)
-            value = self.file.value(node)
             if node is None:
                 pieces.append(self.file.quoted(piece))
-            elif not isinstance(value, (ast.List, ast.Tuple)):
-                pieces.append(self.file.written(node))
-            elif isinstance(node, ast.Name):  # a list of substitutions cannot be in another one
-                pieces.append(f"*{node.id}")
-            else:
-                pieces += map(self.file.written, value.elts)
+            else:  # a list of substitutions cannot be in another one
+                star = "*" if self.file.is_list(node) else ""
+                pieces.append(f"{star}{self.file.written(node)}")
         is_text = len(pieces) == 1 and text not in self._names
         return pieces[0] if is_text else f"[{', '.join(pieces)}]"
 

@@ -5,15 +5,19 @@ Nothing is built: install spaces are laid out with links to the sources.
 
 from __future__ import annotations
 
+from cmath import phase
 from contextlib import contextmanager
 from dataclasses import replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.checks.rules.node_topics import STAMPED, TWIST
 from wsgen.descriptions.sdf.worlds import default_world
 from wsgen.diagnostics import has_errors
+from wsgen.errors import WsgenError
 from wsgen.isolation.parent import make_part, make_scratch
 from wsgen.launching.simulators import kind_of_project
-from wsgen.model.behavior import Behavior, Drive
+from wsgen.model.behavior import Behavior, BehaviorRun, Drive, LaunchTask
 from wsgen.model.target import CLASSIC, SIM
 from wsgen.packages.workspace.settings import Settings
 from wsgen.pipeline.behavior_plan import plan_behaviors
@@ -22,17 +26,18 @@ from wsgen.pipeline.check_package import PackageCheck
 from wsgen.pipeline.installed_as_built import lay_out
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.parallel import start_children
-from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
+from wsgen.pipeline.requests import SelectedLaunchFile, SelectedPackage, ValidateRequest
 from wsgen.pipeline.run_robots import simulate_robots
 from wsgen.porting.robot_topics import RosTopic, topics_of_robot
 from wsgen.text.files import remembering
 from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
 
     from wsgen.isolation.parent import Run
+    from wsgen.model.behavior import TimeSeries
     from wsgen.model.outcome import RobotOutcome
     from wsgen.model.transform import Pose
     from wsgen.model.world import World
@@ -40,11 +45,31 @@ if TYPE_CHECKING:
     from wsgen.pipeline.check import Targets
     from wsgen.pipeline.clock import Clock
     from wsgen.pipeline.prepare import PreparedRobot
+    from wsgen.pipeline.requests import RunLive
 
 
 # What drives show: in m/s and rad/s, each for so many seconds.
 DRIVES = {"drive ahead": Drive(linear=0.3), "turn": Drive(angular=0.5)}
 SECONDS = 3.0
+# How other drives are tried: the launch file runs, with the same command all the time. What a robot
+# does before it has come to its speed depends on when the command comes.
+LIVE, _SECONDS_LIVE, _STEADY_AFTER = "drive live", 6.0, 2.0
+_STEP = 5  # samples, over which it is seen where it goes
+_STANDS = 0.02  # m
+_COMMAND = "{linear: {x: 0.3}, angular: {z: 0.3}}"
+_COMMANDS = {TWIST: _COMMAND, STAMPED: f"{{twist: {_COMMAND}}}"}
+_LAUNCH = """\
+from launch import LaunchDescription
+from launch.actions import ExecuteProcess, IncludeLaunchDescription
+from launch.launch_description_sources import AnyLaunchDescriptionSource
+
+
+def generate_launch_description():
+    return LaunchDescription([
+        IncludeLaunchDescription(AnyLaunchDescriptionSource({file!r})),
+        *(ExecuteProcess(cmd=['ros2', 'topic', 'pub', '-r', '20', *words]) for words in {words!r}),
+    ])
+"""
 # Of how many launch files a robot is simulated: many packages have one for each of their worlds.
 MOST_WORLDS = 3
 _REQUEST = ValidateRequest(is_live=True, seconds=SECONDS)
@@ -66,6 +91,7 @@ class Measured:
     # Where it got, seen from where it began: m, m, rad, by what it did.
     ways: Mapping[str, tuple[float, float, float]]
     problem: str = ""  # why it was not simulated
+    problem_live: str = ""  # why it was not driven with its launch file
     is_left_out: bool = False  # it was simulated for other launch files
 
 
@@ -137,7 +163,11 @@ def find_spawners(targets: Targets, environment: Mapping[str, str]) -> Spawners:
 
 
 def measure(
-    targets: Targets, environment: Mapping[str, str], distro: str | None, clock: Clock
+    targets: Targets,
+    environment: Mapping[str, str],
+    distro: str | None,
+    clock: Clock,
+    run_live: RunLive | None = None,
 ) -> Side:
     """Simulate the robots that the launch files of packages spawn.
 
@@ -146,6 +176,8 @@ def measure(
         environment: That of the command.
         distro: What they are for; None: what they say.
         clock: Posts each simulation.
+        run_live: Runs a launch file; without it, robots with other drives than a differential one
+            are not driven.
     """
     robots: list[Measured] = []
     simulated: dict[tuple[str, str], list[tuple[PreparedRobot, str | None, Measured]]] = {}
@@ -159,7 +191,7 @@ def measure(
             name = candidate.file.name
             with make_part(found.folder) as folder, clock.step("simulate", name) as step:
                 launch = _Launch(check, candidate, folder, found.run)
-                measured = [*launch.robots()]
+                measured = [*launch.robots(None if any(known) else run_live)]
                 if not measured and launch.errors:
                     problem = check.installed.text(launch.errors[0])
                     found.problems.setdefault(name, problem)
@@ -195,6 +227,7 @@ class _Launch:
         self.check = check
         self.candidate = candidate
         self.run = run
+        self.folder = folder
         selected = SelectedPackage(
             name=check.package.name,
             source=check.package.path,
@@ -207,7 +240,7 @@ class _Launch:
         self.kind = self.validation.simulator_kind
         self.errors = [one.message for one in self.validation.diagnostics if has_errors((one,))]
 
-    def robots(self) -> Iterator[tuple[PreparedRobot, Measured]]:
+    def robots(self, run_live: RunLive | None) -> Iterator[tuple[PreparedRobot, Measured]]:
         """Simulate, and measure."""
         outcomes = {} if self.world is None else self._simulate(self.world)
         name = None if self.validation.world_file is None or not self.world else self.world.name
@@ -218,6 +251,16 @@ class _Launch:
             rest = None if outcome is None or outcome.rest is None else outcome.rest.pose_in_world
             behaviors = () if outcome is None else outcome.behaviors
             moved = {behavior.name: behavior.moved for behavior in behaviors}
+            topics = topics_of_robot(one, self.candidate.started, self.kind, name)
+            ways = {
+                drive: way
+                for drive in DRIVES
+                if (way := moved.get(_behavior_name(drive, one.entity))) is not None
+            }
+            problem = ""
+            if run_live is not None and one.drive is None and rest is not None:
+                way, problem = self._drive_live(run_live, one.entity, topics)
+                ways |= {} if way is None else {LIVE: way}
             yield (
                 one,
                 Measured(
@@ -227,16 +270,38 @@ class _Launch:
                     links=frozenset(link.name for link in one.written.links),
                     joints=frozenset(joint.name for joint in one.written.joints),
                     mass=sum(link.inertial.mass for link in one.written.links if link.inertial),
-                    topics=topics_of_robot(one, self.candidate.started, self.kind, name),
+                    topics=topics,
                     rest=rest,
-                    ways={
-                        drive: way
-                        for drive in DRIVES
-                        if (way := moved.get(_behavior_name(drive, one.entity))) is not None
-                    },
+                    ways=ways,
                     problem=self.check.installed.text(self.errors[0]) if self.errors else "",
+                    problem_live=problem,
                 ),
             )
+
+    def _drive_live(
+        self, run_live: RunLive, entity: str, topics: Iterable[RosTopic]
+    ) -> tuple[tuple[float, float, float] | None, str]:
+        """The way of a robot with its launch file, or why there is none; nothing undriven."""
+        words = [
+            (one.name, one.type, _COMMANDS[one.type])
+            for one in sorted(topics)
+            if one.type in _COMMANDS and not one.is_published
+        ]
+        if not words or self.candidate.started.simulator is None:
+            return None, ""
+        file = self.folder / "driven.launch.py"
+        file.write_text(_LAUNCH.format(file=str(self.candidate.file), words=words))
+        selected = SelectedLaunchFile(file, None, (), None, self.check.overlay)
+        behavior = Behavior(name=LIVE, task=LaunchTask(), seconds=_SECONDS_LIVE, robot=entity)
+        request = replace(_REQUEST, samples=round(_SECONDS_LIVE * 10))
+        try:
+            found = run_live(selected, request, [BehaviorRun(entity=entity, behavior=behavior)])
+        except WsgenError as error:
+            return None, error.message
+        measured = found[LIVE]
+        if measured.problem or measured.time_series is None:
+            return None, measured.problem or f"`{entity}` has not come into the world."
+        return _steady_way(measured.time_series), ""
 
     def _simulate(self, world: World) -> dict[str, RobotOutcome]:
         driven = [one.entity for one in self.scene if one.drive is not None]
@@ -260,6 +325,28 @@ class _Launch:
         found = simulated.diagnostics_after(self.validation.diagnostics)
         self.errors = [one.message for one in found if has_errors((one,))]
         return {one.entity: one for one in simulated.robots}
+
+
+def _steady_way(series: TimeSeries) -> tuple[float, float, float]:
+    """How far a robot goes and turns in the time after it has come to its speed: m, 0, rad."""
+    points = [
+        (seconds, complex(*xyz[:2]))
+        for seconds, xyz in zip(series.seconds, series.positions, strict=True)
+        if seconds >= _STEADY_AFTER
+    ][::_STEP]
+    steps = [(end[0] - begin[0], end[1] - begin[1]) for begin, end in pairwise(points)]
+    length = sum(abs(step) for _, step in steps)
+    if length < _STANDS or not all(step for _, step in steps):
+        return 0.0, 0.0, 0.0
+    turn = sum(phase(after / before) for (_, before), (_, after) in pairwise(steps))
+    # From the middle of the first step to that of the last one.
+    turned_for = points[-1][0] - points[0][0] - (steps[0][0] + steps[-1][0]) / 2
+    seconds = _SECONDS_LIVE - _STEADY_AFTER
+    return (
+        length / (points[-1][0] - points[0][0]) * seconds,
+        0.0,
+        turn / turned_for * seconds,
+    )
 
 
 def _behavior_name(drive: str, entity: str) -> str:

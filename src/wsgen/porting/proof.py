@@ -22,7 +22,7 @@ from wsgen.model.transform import multiply, rotation_of_rpy, transpose
 from wsgen.packages.workspace.layout import Workspace, find_packages, read_package
 from wsgen.pipeline.clock import Clock
 from wsgen.pipeline.reported import run_git
-from wsgen.porting.measured import find_spawners, measure
+from wsgen.porting.measured import LIVE, find_spawners, measure
 from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from wsgen.model.target import Target
     from wsgen.packages.workspace.layout import PackageFolder
     from wsgen.pipeline.check import Targets
+    from wsgen.pipeline.requests import RunLive
     from wsgen.porting.measured import Measured, Side
     from wsgen.porting.plan import PortPlan
     from wsgen.porting.robot_topics import RosTopic
@@ -84,6 +85,7 @@ def prove_port(  # noqa: PLR0913  two have defaults
     *,
     before: Targets | None = None,
     listener: Listener | None = None,
+    run_live: RunLive | None = None,
 ) -> Proof:
     """Compare packages before and after their port; nothing of the user's is written.
 
@@ -94,6 +96,7 @@ def prove_port(  # noqa: PLR0913  two have defaults
         plan: Plans the port of those for Gazebo Classic.
         before: The packages as they were, where that is not for git to say.
         listener: Is told of each simulation.
+        run_live: Runs launch files, for drives that are not simulated without ROS.
 
     Raises:
         RequestError: No launch file spawns a robot, or it is not known how the packages were.
@@ -109,10 +112,10 @@ def prove_port(  # noqa: PLR0913  two have defaults
             else:
                 commit, before = _before(targets, environment, scratch)
                 name = f"commit {commit}"
-        old = measure(before, environment, None, Clock("before", listener))
+        old = measure(before, environment, None, Clock("before", listener), run_live)
         if not old.robots:
             raise _nothing_spawned(old.problems)
-        new = measure(after, environment, target.distro, Clock("after", listener))
+        new = measure(after, environment, target.distro, Clock("after", listener), run_live)
     return Proof(before=name, rows=tuple(compare(old, new)))
 
 
@@ -380,11 +383,17 @@ def _listed(names: Iterable[str]) -> str:
 
 
 def _compare_ways(name: str, old: Measured, new: Measured) -> Iterator[Compared]:
+    if old.problem_live:
+        now = "" if LIVE not in new.ways else _shown_way(new.ways[LIVE])
+        yield Compared(name, LIVE, f"not driven: {old.problem_live}", now, is_same=None)
     for task, way in old.ways.items():
         other = new.ways.get(task)
         if other is None:
-            is_same = None if new.is_left_out else False
-            yield Compared(name, task, _shown_way(way), "not driven", is_same)
+            why = f": {new.problem_live}" if new.problem_live else ""
+            now, is_same = f"not driven{why}", None if new.is_left_out else False
+            if (task == LIVE) != (LIVE in new.ways) and new.ways:  # it has a drive of another kind
+                now, is_same = "driven otherwise", None
+            yield Compared(name, task, _shown_way(way), now, is_same)
             continue
         away, turned = math.dist(way[:2], other[:2]), abs(way[2] - other[2])
         share = max(

@@ -67,6 +67,11 @@ class PythonEdits:
             return values[0]
         return node
 
+    def is_list(self, node: ast.expr) -> bool:
+        """Whether a node is a list, or the name of one."""
+        values = self._values.get(node.id, [node]) if isinstance(node, ast.Name) else [node]
+        return all(isinstance(value, (ast.List, ast.Tuple)) for value in values)
+
     def text(self, node: ast.expr | None) -> Text | None:
         """The text that a node, or the name of one, is."""
         value = self.value(node)
