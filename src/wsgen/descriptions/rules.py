@@ -11,10 +11,8 @@ MALFORMED_XML = Rule(
     severity_varies="a warning where Gazebo's parser still reads the file",
     measured=Measured(classic="refuses it", sim="refuses it"),
     summary="A URDF or SDF file is not well-formed XML.",
-    why=(
-        "Gazebo does not read such a file. A few errors, such as a bare `&` or `--` in a comment, "
-        "only stop stricter programs: xacro, robot_state_publisher and editors."
-    ),
+    why="Gazebo does not read such a file. A few errors, such as a bare `&` or `--` in a comment, "
+    "only stop stricter programs: xacro, robot_state_publisher and editors.",
     example='<robot name="r">\n  <link name="base_link">\n</robot>',
     instead='<robot name="r">\n  <link name="base_link"/>\n</robot>',
 )
@@ -25,11 +23,9 @@ OVERSIZED_FILE = Rule(
     severity=Severity.ERROR,
     measured=Measured(classic="refuses it", sim="refuses it"),
     summary="A URDF or SDF file is too large, or declares entities.",
-    why=(
-        "`wsgen` reads every file within bounded time and memory. The largest public URDF has 4 % "
-        "of the limit: a larger file is nearly always a mistake. Gazebo's parser does not support "
-        "entities."
-    ),
+    why="`wsgen` reads every file within bounded time and memory. The largest public URDF has 4 % "
+    "of the limit: a larger file is nearly always a mistake. Gazebo's parser does not support "
+    "entities.",
     example='<!DOCTYPE robot [<!ENTITY radius "0.1">]>',
     instead=(
         'Write the values, or use `<xacro:property name="radius" value="0.1"/>` in a xacro file.'
@@ -43,10 +39,8 @@ NO_LINK = Rule(
     severity_varies="information from `wsgen check` in a file for Webots",
     measured=Measured(classic="refuses it", sim="refuses it"),
     summary="A robot or a movable model has no link.",
-    why=(
-        "Gazebo refuses a robot without links. A link `world` in a URDF does not count: it only "
-        "fixes the robot to the world."
-    ),
+    why="Gazebo refuses a robot without links. A link `world` in a URDF does not count: it only "
+    "fixes the robot to the world.",
     example='<robot name="r"/>',
     instead='<robot name="r">\n  <link name="base_link"/>\n</robot>',
 )
@@ -57,10 +51,8 @@ UNNAMED_ELEMENT = Rule(
     severity=Severity.ERROR,
     measured=Measured(classic="refuses it", sim="refuses it"),
     summary="A link, joint, material, model or shape has no name.",
-    why=(
-        "Joints, transforms and plugins refer to parts by name. Gazebo's parser refuses a part "
-        "without a name, or drops the elements that follow it."
-    ),
+    why="Joints, transforms and plugins refer to parts by name. Gazebo's parser refuses a part "
+    "without a name, or drops the elements that follow it.",
     example="<link/>",
     instead='<link name="base_link"/>',
 )
@@ -72,18 +64,14 @@ SELF_JOINT = Rule(
     measured=Measured(classic="crashes", sim="crashes"),
     summary="A joint connects a link to itself.",
     why="Gazebo's parser crashes: parent and child must be different links.",
-    example=(
-        '<joint name="arm_joint" type="fixed">\n'
-        '  <parent link="arm"/>\n'
-        '  <child link="arm"/>\n'
-        "</joint>"
-    ),
-    instead=(
-        '<joint name="arm_joint" type="fixed">\n'
-        '  <parent link="base_link"/>\n'
-        '  <child link="arm"/>\n'
-        "</joint>"
-    ),
+    example='<joint name="arm_joint" type="fixed">\n'
+    '  <parent link="arm"/>\n'
+    '  <child link="arm"/>\n'
+    "</joint>",
+    instead='<joint name="arm_joint" type="fixed">\n'
+    '  <parent link="base_link"/>\n'
+    '  <child link="arm"/>\n'
+    "</joint>",
 )
 
 UNKNOWN_LINK = Rule(
@@ -93,26 +81,20 @@ UNKNOWN_LINK = Rule(
     severity_varies="information from `wsgen check` in a xacro file that no other file includes",
     measured=Measured(classic="refuses it", sim="refuses it"),
     summary="A joint names a link that does not exist.",
-    why=(
-        "Gazebo refuses the robot. Usually the name is misspelled, or lacks the prefix of a xacro "
-        "macro."
-    ),
-    example=(
-        '<link name="base_link"/>\n'
-        '<link name="arm"/>\n'
-        '<joint name="arm_joint" type="fixed">\n'
-        '  <parent link="base"/>\n'
-        '  <child link="arm"/>\n'
-        "</joint>"
-    ),
-    instead=(
-        '<link name="base_link"/>\n'
-        '<link name="arm"/>\n'
-        '<joint name="arm_joint" type="fixed">\n'
-        '  <parent link="base_link"/>\n'
-        '  <child link="arm"/>\n'
-        "</joint>"
-    ),
+    why="Gazebo refuses the robot. Usually the name is misspelled, or lacks the prefix of a xacro "
+    "macro.",
+    example='<link name="base_link"/>\n'
+    '<link name="arm"/>\n'
+    '<joint name="arm_joint" type="fixed">\n'
+    '  <parent link="base"/>\n'
+    '  <child link="arm"/>\n'
+    "</joint>",
+    instead='<link name="base_link"/>\n'
+    '<link name="arm"/>\n'
+    '<joint name="arm_joint" type="fixed">\n'
+    '  <parent link="base_link"/>\n'
+    '  <child link="arm"/>\n'
+    "</joint>",
 )
 
 UNKNOWN_JOINT_TYPE = Rule(
@@ -121,10 +103,8 @@ UNKNOWN_JOINT_TYPE = Rule(
     severity=Severity.ERROR,
     measured=Measured(classic="refuses it", sim="refuses it"),
     summary="A joint has an unknown type.",
-    why=(
-        "Gazebo refuses the robot. `floating` and `planar` exist in URDF only; `ball`, "
-        "`universal` and `screw` in SDF only."
-    ),
+    why="Gazebo refuses the robot. `floating` and `planar` exist in URDF only; `ball`, "
+    "`universal` and `screw` in SDF only.",
     example='<joint name="arm_joint" type="rotating">',
     instead='<joint name="arm_joint" type="revolute">',
 )
@@ -136,14 +116,10 @@ NOT_A_NUMBER = Rule(
     severity_varies="a warning in the color of a URDF, which Gazebo ignores",
     measured=Measured(classic="loads nothing of it", sim="refuses it"),
     summary="A number is missing or is not a number.",
-    what=(
-        "Numbers must be finite, have a decimal point, be separated by blanks, and have the count "
-        "that the attribute or element requires."
-    ),
-    why=(
-        "Gazebo refuses the robot or ignores the element. Other programs silently read 0, so that "
-        "the same file gives different robots."
-    ),
+    what="Numbers must be finite, have a decimal point, be separated by blanks, and have the count "
+    "that the attribute or element requires.",
+    why="Gazebo refuses the robot or ignores the element. Other programs silently read 0, so that "
+    "the same file gives different robots.",
     example='<origin xyz="0,1 0 0"/>',
     instead='<origin xyz="0.1 0 0"/>',
 )
@@ -188,10 +164,8 @@ NO_SHAPE = Rule(
     severity_varies="a warning in SDF, where Gazebo ignores the shape",
     measured=Measured(classic="simulates what is left", sim="accepts it"),
     summary="A `<geometry>` does not have a known shape.",
-    why=(
-        "Gazebo's URDF parser stops reading the link there and silently drops its remaining "
-        "elements."
-    ),
+    why="Gazebo's URDF parser stops reading the link there and silently drops its remaining "
+    "elements.",
     example='<geometry>\n  <cube size="1 1 1"/>\n</geometry>',
     instead='<geometry>\n  <box size="1 1 1"/>\n</geometry>',
 )
@@ -204,13 +178,9 @@ ZERO_SIZE = Rule(
     "URDF, for the `<size>` of a plane, and for a flat box, which most builds of Gazebo accept",
     measured=Measured(classic="simulates what is left", sim="accepts it"),
     summary="A size or scale is not greater than 0.",
-    what=(
-        "Checks lengths, radii and scales of shapes and meshes. A negative scale mirrors a mesh."
-    ),
-    why=(
-        "The physics engine of Gazebo Sim terminates the program on a collision of size 0; in "
-        "Gazebo Classic it does not collide. A visual of size 0 is invisible."
-    ),
+    what="Checks lengths, radii and scales of shapes and meshes. A negative scale mirrors a mesh.",
+    why="The physics engine of Gazebo Sim terminates the program on a collision of size 0; in "
+    "Gazebo Classic it does not collide. A visual of size 0 is invisible.",
     example='<cylinder radius="0" length="0.1"/>',
     instead='<cylinder radius="0.05" length="0.1"/>',
 )
@@ -243,10 +213,8 @@ ONE_NAME_FOR_LINK_AND_JOINT = Rule(
     severity_varies="an error in Gazebo Sim, which refuses the robot",
     measured=Measured(classic="simulates it", sim="refuses it"),
     summary="A link and a joint have the same name.",
-    why=(
-        "Links, joints and frames share one namespace since SDF 1.7: Gazebo Sim refuses the "
-        "robot. Gazebo Classic loads it."
-    ),
+    why="Links, joints and frames share one namespace since SDF 1.7: Gazebo Sim refuses the "
+    "robot. Gazebo Classic loads it.",
     example='<link name="arm"/>\n<joint name="arm" type="revolute">',
     instead='<link name="arm"/>\n<joint name="arm_joint" type="revolute">',
 )
@@ -259,37 +227,27 @@ UNKNOWN_MIMICKED_JOINT = Rule(
     measured=Measured(classic="simulates it", sim="accepts it"),
     summary="A joint mimics a joint that does not exist.",
     why="The joint is not driven: it swings freely instead of following another joint.",
-    example=(
-        '<joint name="right_finger_joint" type="prismatic">\n  …\n'
-        '  <mimic joint="finger_joint"/>\n'
-        "</joint>"
-    ),
-    instead=(
-        '<joint name="right_finger_joint" type="prismatic">\n  …\n'
-        '  <mimic joint="left_finger_joint"/>\n'
-        "</joint>"
-    ),
+    example='<joint name="right_finger_joint" type="prismatic">\n  …\n'
+    '  <mimic joint="finger_joint"/>\n'
+    "</joint>",
+    instead='<joint name="right_finger_joint" type="prismatic">\n  …\n'
+    '  <mimic joint="left_finger_joint"/>\n'
+    "</joint>",
 )
 
 IMPOSSIBLE_INERTIA = Rule(
     code="ROB037",
     name="impossible-inertia",
     severity=Severity.ERROR,
-    severity_varies=(
-        "a warning where Gazebo still loads the robot: in Gazebo Classic, or where the "
-        "link of a URDF is lumped into another one, or its inertia is zero"
-    ),
+    severity_varies="a warning where Gazebo still loads the robot: in Gazebo Classic, or where the "
+    "link of a URDF is lumped into another one, or its inertia is zero",
     measured=Measured(classic="simulates it", sim="refuses it"),
     summary="The inertia of a link is physically impossible.",
-    what=(
-        "The principal moments must be positive, and none may be larger than the sum of the "
-        "other two."
-    ),
-    why=(
-        "Gazebo Sim refuses the robot; in physics engines it spins or explodes. Gazebo Classic "
-        "takes 1 kg m² about each axis where the moments are not positive. For links that are "
-        "fixed together, only the sum matters."
-    ),
+    what="The principal moments must be positive, and none may be larger than the sum of the "
+    "other two.",
+    why="Gazebo Sim refuses the robot; in physics engines it spins or explodes. Gazebo Classic "
+    "takes 1 kg m² about each axis where the moments are not positive. For links that are "
+    "fixed together, only the sum matters.",
     example='<inertia ixx="1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>',
     instead='<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>',
 )
@@ -302,14 +260,10 @@ MISSPELLED_ELEMENT = Rule(
     measured=Measured(classic="simulates what is left", sim="accepts it"),
     summary="The name of an element is misspelled.",
     why=("Gazebo silently ignores unknown elements: a mass, a shape or a limit is then missing."),
-    example=(
-        '<inertail>\n  <mass value="1"/>\n'
-        '  <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>\n</inertail>'
-    ),
-    instead=(
-        '<inertial>\n  <mass value="1"/>\n'
-        '  <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>\n</inertial>'
-    ),
+    example='<inertail>\n  <mass value="1"/>\n'
+    '  <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>\n</inertail>',
+    instead='<inertial>\n  <mass value="1"/>\n'
+    '  <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>\n</inertial>',
 )
 
 RESERVED_NAME = Rule(
@@ -319,11 +273,9 @@ RESERVED_NAME = Rule(
     severity_varies="a warning in Gazebo Classic, which loads the robot",
     measured=Measured(classic="simulates it", sim="refuses it"),
     summary="A name is reserved by SDF.",
-    why=(
-        "SDF reserves `world` and names that begin and end with two underscores; Gazebo Sim "
-        "refuses robots that use them. A link `world` is allowed as the root of a URDF, which it "
-        "fixes to the world."
-    ),
+    why="SDF reserves `world` and names that begin and end with two underscores; Gazebo Sim "
+    "refuses robots that use them. A link `world` is allowed as the root of a URDF, which it "
+    "fixes to the world.",
     example='<link name="__base__"/>',
     instead='<link name="base_link"/>',
 )
@@ -334,10 +286,8 @@ NOT_UTF_8 = Rule(
     severity=Severity.ERROR,
     severity_varies="a warning where only a few characters are wrong",
     summary="A URDF or SDF file is not encoded in UTF-8.",
-    why=(
-        "Gazebo and robot_state_publisher read UTF-8 only, whatever the XML declaration says. "
-        "Files in UTF-16 or with null bytes cannot be read; in others, letters such as ä are wrong."
-    ),
+    why="Gazebo and robot_state_publisher read UTF-8 only, whatever the XML declaration says. "
+    "Files in UTF-16 or with null bytes cannot be read; in others, letters such as ä are wrong.",
     example="A robot.urdf that an editor saved as ISO-8859-1 or UTF-16.",
     instead="iconv -f ISO-8859-1 -t UTF-8 robot.urdf > robot_utf8.urdf",
 )
@@ -350,24 +300,18 @@ MISSING_COLLISION_MESH = Rule(
     "elsewhere; information where the mesh is on the network",
     measured=Measured(classic="simulates what is left", sim="accepts it"),
     summary="The mesh file of a `<collision>` does not exist.",
-    why=(
-        "Without its mesh the link does not collide: Gazebo prints an error and continues. A file "
-        "in the source folder must also be installed."
-    ),
-    example=(
-        "<collision>\n"
-        "  <geometry>\n"
-        '    <mesh filename="package://my_robot/mesh/arm.stl"/>\n'
-        "  </geometry>\n"
-        "</collision>"
-    ),
-    instead=(
-        "<collision>\n"
-        "  <geometry>\n"
-        '    <mesh filename="package://my_robot/meshes/arm.stl"/>\n'
-        "  </geometry>\n"
-        "</collision>"
-    ),
+    why="Without its mesh the link does not collide: Gazebo prints an error and continues. A file "
+    "in the source folder must also be installed.",
+    example="<collision>\n"
+    "  <geometry>\n"
+    '    <mesh filename="package://my_robot/mesh/arm.stl"/>\n'
+    "  </geometry>\n"
+    "</collision>",
+    instead="<collision>\n"
+    "  <geometry>\n"
+    '    <mesh filename="package://my_robot/meshes/arm.stl"/>\n'
+    "  </geometry>\n"
+    "</collision>",
 )
 
 MISSING_VISUAL_MESH = Rule(
@@ -376,24 +320,18 @@ MISSING_VISUAL_MESH = Rule(
     severity=Severity.WARNING,
     measured=Measured(classic="simulates it", sim="accepts it"),
     summary="The mesh file of a `<visual>` does not exist.",
-    why=(
-        "The link is invisible: Gazebo prints an error and continues. A file in the source folder "
-        "must also be installed."
-    ),
-    example=(
-        "<visual>\n"
-        "  <geometry>\n"
-        '    <mesh filename="package://my_robot/mesh/arm.dae"/>\n'
-        "  </geometry>\n"
-        "</visual>"
-    ),
-    instead=(
-        "<visual>\n"
-        "  <geometry>\n"
-        '    <mesh filename="package://my_robot/meshes/arm.dae"/>\n'
-        "  </geometry>\n"
-        "</visual>"
-    ),
+    why="The link is invisible: Gazebo prints an error and continues. A file in the source folder "
+    "must also be installed.",
+    example="<visual>\n"
+    "  <geometry>\n"
+    '    <mesh filename="package://my_robot/mesh/arm.dae"/>\n'
+    "  </geometry>\n"
+    "</visual>",
+    instead="<visual>\n"
+    "  <geometry>\n"
+    '    <mesh filename="package://my_robot/meshes/arm.dae"/>\n'
+    "  </geometry>\n"
+    "</visual>",
 )
 
 UNREADABLE_DESCRIPTION = Rule(
@@ -401,10 +339,8 @@ UNREADABLE_DESCRIPTION = Rule(
     name="unreadable-description",
     severity=Severity.ERROR,
     summary="A URDF, xacro or SDF file cannot be read.",
-    why=(
-        "The file does not exist, is not a regular file, or its permissions do not allow "
-        "reading it. It cannot be checked or spawned."
-    ),
+    why="The file does not exist, is not a regular file, or its permissions do not allow "
+    "reading it. It cannot be checked or spawned.",
     example="chmod 000 robot.urdf\nwsgen validate robot.urdf",
     instead="chmod 644 robot.urdf\nwsgen validate robot.urdf",
 )

@@ -42,10 +42,8 @@ ENGINE_DIED = Rule(
     name="engine-died",
     severity=Severity.ERROR,
     summary="The physics engine, or Gazebo itself, crashed, hung or ran out of memory.",
-    what=(
-        "Simulates in a separate process with limited CPU time and memory. The other robots are "
-        "simulated again without the one that crashed the engine; not in `--engine gazebo`."
-    ),
+    what="Simulates in a separate process with limited CPU time and memory. The other robots are "
+    "simulated again without the one that crashed the engine; not in `--engine gazebo`.",
     why=("The robot has no result, and it may crash Gazebo, too."),
     example="A mesh file with faces that refer to missing vertices.",
     instead="The same mesh, exported again; or a <box> in its place until it loads.",
@@ -80,10 +78,8 @@ ENGINE_WARNING = Rule(
     severity=Severity.WARNING,
     severity_varies="information for a plugin that is not installed, with `--engine gazebo`",
     summary="The physics engine, or Gazebo itself, printed a warning.",
-    why=(
-        "Engines continue without a part that they cannot use, and only print a warning: a mesh "
-        "without points, for example, has no contacts."
-    ),
+    why="Engines continue without a part that they cannot use, and only print a warning: a mesh "
+    "without points, for example, has no contacts.",
     example="A collision mesh without faces.",
     instead="A mesh with the parts that the engine reports as missing.",
 )

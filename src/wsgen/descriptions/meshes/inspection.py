@@ -30,15 +30,11 @@ BROKEN_COLLISION_MESH = Rule(
     severity=Severity.ERROR,
     measured=Measured(classic="simulates another robot", sim="accepts it"),
     summary="The mesh file of a `<collision>` cannot be used.",
-    what=(
-        "Reads every mesh file in a separate process: STL, OBJ, COLLADA, glTF, GLB and PLY. A "
-        "file is broken if it is cut short or damaged, refers to vertices that it does not have, "
-        "has no triangle, or takes too long to read."
-    ),
-    why=(
-        "Gazebo crashes on some of these files and does not load others: the link then passes "
-        "through the ground."
-    ),
+    what="Reads every mesh file in a separate process: STL, OBJ, COLLADA, glTF, GLB and PLY. A "
+    "file is broken if it is cut short or damaged, refers to vertices that it does not have, "
+    "has no triangle, or takes too long to read.",
+    why="Gazebo crashes on some of these files and does not load others: the link then passes "
+    "through the ground.",
     example="An STL file whose header says 1000 triangles, and which ends after 900.",
     instead="The same mesh, exported again as binary STL or as OBJ.",
 )
@@ -81,10 +77,8 @@ IMPLAUSIBLE_MESH_SIZE = Rule(
     severity=Severity.WARNING,
     summary="A mesh of a robot is larger than 100 m or smaller than 0.1 mm.",
     what="Measures the longest edge of the bounding box of the mesh, with its `scale`.",
-    why=(
-        "STL and OBJ files have no unit: Gazebo reads their numbers as meters. CAD programs export "
-        "millimeters, which makes the part 1000 times too large."
-    ),
+    why="STL and OBJ files have no unit: Gazebo reads their numbers as meters. CAD programs export "
+    "millimeters, which makes the part 1000 times too large.",
     example='<mesh filename="package://my_robot/meshes/arm_in_mm.stl"/>',
     instead='<mesh filename="package://my_robot/meshes/arm_in_mm.stl" scale="0.001 0.001 0.001"/>',
 )
@@ -105,10 +99,8 @@ MESH_FORMAT_NOT_READ_BY_ALL = Rule(
     name="mesh-format-not-read-by-all",
     severity=Severity.WARNING,
     summary="Some versions of Gazebo do not read the format of a mesh.",
-    why=(
-        "Gazebo Classic and Fortress do not read glTF and GLB, and no version reads PLY: the part "
-        "is missing there."
-    ),
+    why="Gazebo Classic and Fortress do not read glTF and GLB, and no version reads PLY: the part "
+    "is missing there.",
     example='<mesh filename="package://my_robot/meshes/arm.glb"/>',
     instead='<mesh filename="package://my_robot/meshes/arm.dae"/>',
 )

@@ -18,14 +18,10 @@ MISSING_TEXTURE = Rule(
     name="missing-texture",
     severity=Severity.WARNING,
     summary="A mesh file names a texture that does not exist.",
-    what=(
-        "Looks for the images of a COLLADA or OBJ file next to the mesh and in "
-        "`../materials/textures`, as Gazebo does. Runs only where a picture or a video is drawn."
-    ),
-    why=(
-        "Gazebo draws the part without its texture. Often the image is not installed, or the mesh "
-        "names a path of the machine on which it was exported."
-    ),
+    what="Looks for the images of a COLLADA or OBJ file next to the mesh and in "
+    "`../materials/textures`, as Gazebo does. Runs only where a picture or a video is drawn.",
+    why="Gazebo draws the part without its texture. Often the image is not installed, or the mesh "
+    "names a path of the machine on which it was exported.",
     example="<init_from>C:/Users/me/wood.png</init_from>",
     instead="<init_from>wood.png</init_from>",
 )

@@ -50,10 +50,8 @@ HEIGHTMAP_NOT_DRAWN = Rule(
     name="heightmap-not-drawn",
     severity=Severity.WARNING,
     summary="The image of a heightmap in a `<visual>` does not have 2ⁿ + 1 pixels on each side.",
-    why=(
-        "The terrain renderer of Gazebo needs 2ⁿ + 1 pixels on each side: Gazebo Sim does not draw "
-        "other images, and Gazebo Classic exits with an error."
-    ),
+    why="The terrain renderer of Gazebo needs 2ⁿ + 1 pixels on each side: Gazebo Sim does not draw "
+    "other images, and Gazebo Classic exits with an error.",
     example="A heightmap of 512 by 512 pixels.",
     instead="The same image, scaled to 513 by 513 pixels.",
 )
@@ -63,10 +61,8 @@ MOVING_HEIGHTMAP = Rule(
     name="moving-heightmap",
     severity=Severity.WARNING,
     summary="A model with a heightmap as a collision is not static.",
-    why=(
-        "Gazebo's engines do not move a heightmap with its link: its visual and its collision are "
-        "then at different places."
-    ),
+    why="Gazebo's engines do not move a heightmap with its link: its visual and its collision are "
+    "then at different places.",
     example='<model name="hill">\n  <link name="ground">…<heightmap>…',
     instead='<model name="hill">\n  <static>true</static>\n  <link name="ground">…<heightmap>…',
 )
@@ -78,19 +74,13 @@ IMPOSSIBLE_SHAPE = Rule(
     severity_varies="a warning for a `<visual>`",
     measured=Measured(classic="simulates another model", sim="accepts it"),
     summary="A polyline does not enclose an area, or a shape cannot be converted to a mesh.",
-    what=(
-        "Converts polylines, ellipsoids and cones to meshes. An outline must have three points or "
-        "more, and must not cross or touch itself or another one."
-    ),
+    what="Converts polylines, ellipsoids and cones to meshes. An outline must have three points or "
+    "more, and must not cross or touch itself or another one.",
     why="Gazebo does not create such a shape: the link is invisible, and objects pass through it.",
-    example=(
-        "<polyline>\n  <point>0 0</point>\n  <point>1 1</point>\n  <point>1 0</point>\n"
-        "  <point>0 1</point>\n</polyline>"
-    ),
-    instead=(
-        "<polyline>\n  <point>0 0</point>\n  <point>1 0</point>\n  <point>1 1</point>\n"
-        "  <point>0 1</point>\n</polyline>"
-    ),
+    example="<polyline>\n  <point>0 0</point>\n  <point>1 1</point>\n  <point>1 0</point>\n"
+    "  <point>0 1</point>\n</polyline>",
+    instead="<polyline>\n  <point>0 0</point>\n  <point>1 0</point>\n  <point>1 1</point>\n"
+    "  <point>0 1</point>\n</polyline>",
 )
 
 

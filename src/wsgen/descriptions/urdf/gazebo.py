@@ -99,14 +99,10 @@ UNKNOWN_REFERENCE = Rule(
     severity=Severity.WARNING,
     measured=Measured(classic="simulates it", sim="accepts it"),
     summary="A `<gazebo>` element refers to a link or joint that does not exist.",
-    why=(
-        "Gazebo silently ignores the element: the link keeps its default friction, color and "
-        "sensors."
-    ),
+    why="Gazebo silently ignores the element: the link keeps its default friction, color and "
+    "sensors.",
     example='<link name="base_link"/>\n<gazebo reference="base">\n  <mu1>0.2</mu1>\n</gazebo>',
-    instead=(
-        '<link name="base_link"/>\n<gazebo reference="base_link">\n  <mu1>0.2</mu1>\n</gazebo>'
-    ),
+    instead='<link name="base_link"/>\n<gazebo reference="base_link">\n  <mu1>0.2</mu1>\n</gazebo>',
 )
 
 GAZEBO_NOT_A_NUMBER = Rule(
@@ -119,10 +115,8 @@ GAZEBO_NOT_A_NUMBER = Rule(
     ),
     measured=Measured(classic="crashes", sim="crashes"),
     summary="A number in a `<gazebo>` element is not a number or is out of range.",
-    why=(
-        "Gazebo converts these texts without a check: it terminates with an exception, refuses "
-        "the robot, or reads only the beginning of the text."
-    ),
+    why="Gazebo converts these texts without a check: it terminates with an exception, refuses "
+    "the robot, or reads only the beginning of the text.",
     example='<gazebo reference="wheel">\n  <mu1>low</mu1>\n</gazebo>',
     instead='<gazebo reference="wheel">\n  <mu1>0.1</mu1>\n</gazebo>',
 )
@@ -143,10 +137,8 @@ MISPLACED_GAZEBO_ELEMENT = Rule(
     severity=Severity.WARNING,
     measured=Measured(classic="simulates it", sim="accepts it"),
     summary="A setting is in the wrong kind of `<gazebo>` element and has no effect.",
-    why=(
-        "Some settings apply to links, some to joints and some to the whole robot. Gazebo "
-        "silently ignores the others."
-    ),
+    why="Some settings apply to links, some to joints and some to the whole robot. Gazebo "
+    "silently ignores the others.",
     example="<gazebo>\n  <mu1>0.2</mu1>\n</gazebo>",
     instead='<gazebo reference="base_link">\n  <mu1>0.2</mu1>\n</gazebo>',
 )
@@ -167,18 +159,14 @@ SDF_NOT_SIMULATED = Rule(
     name="sdf-not-simulated",
     severity=Severity.WARNING,
     summary="`wsgen` does not simulate a model, link or joint in a `<gazebo>` element.",
-    why=(
-        "Gazebo adds these SDF elements to the robot, which then has parts that are missing in "
-        "wsgen's simulation."
-    ),
-    example=(
-        "<gazebo>\n"
-        '  <joint name="closing_joint" type="revolute">\n'
-        "    <parent>arm</parent>\n"
-        "    <child>hand</child>\n"
-        "  </joint>\n"
-        "</gazebo>"
-    ),
+    why="Gazebo adds these SDF elements to the robot, which then has parts that are missing in "
+    "wsgen's simulation.",
+    example="<gazebo>\n"
+    '  <joint name="closing_joint" type="revolute">\n'
+    "    <parent>arm</parent>\n"
+    "    <child>hand</child>\n"
+    "  </joint>\n"
+    "</gazebo>",
     instead="# simulate this part of the robot in Gazebo",
 )
 NOT_SIMULATED_MESSAGE = (

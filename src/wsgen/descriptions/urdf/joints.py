@@ -32,12 +32,10 @@ INCOMPLETE_JOINT = Rule(
     summary="A joint has no parent or child, or its `<mimic>` does not name a joint.",
     why="`urdfdom` cannot build the tree of links and refuses the robot.",
     example='<joint name="arm_joint" type="fixed">\n  <child link="arm"/>\n</joint>',
-    instead=(
-        '<joint name="arm_joint" type="fixed">\n'
-        '  <parent link="base_link"/>\n'
-        '  <child link="arm"/>\n'
-        "</joint>"
-    ),
+    instead='<joint name="arm_joint" type="fixed">\n'
+    '  <parent link="base_link"/>\n'
+    '  <child link="arm"/>\n'
+    "</joint>",
 )
 
 UNNORMALIZED_AXIS = Rule(
@@ -59,19 +57,15 @@ MISSING_LIMIT = Rule(
     measured=Measured(classic="refuses it", sim="refuses it"),
     summary="A revolute or prismatic joint has no `<limit>`.",
     why="`urdfdom` refuses the robot. The type of a joint without limits is `continuous`.",
-    example=(
-        '<joint name="arm_joint" type="revolute">\n'
-        '  <parent link="base_link"/>\n'
-        '  <child link="arm"/>\n'
-        "</joint>"
-    ),
-    instead=(
-        '<joint name="arm_joint" type="revolute">\n'
-        '  <parent link="base_link"/>\n'
-        '  <child link="arm"/>\n'
-        '  <limit lower="-1" upper="1" effort="10" velocity="1"/>\n'
-        "</joint>"
-    ),
+    example='<joint name="arm_joint" type="revolute">\n'
+    '  <parent link="base_link"/>\n'
+    '  <child link="arm"/>\n'
+    "</joint>",
+    instead='<joint name="arm_joint" type="revolute">\n'
+    '  <parent link="base_link"/>\n'
+    '  <child link="arm"/>\n'
+    '  <limit lower="-1" upper="1" effort="10" velocity="1"/>\n'
+    "</joint>",
 )
 
 NEED_LIMITS = (JointType.REVOLUTE, JointType.PRISMATIC)

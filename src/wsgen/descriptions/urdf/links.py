@@ -70,17 +70,13 @@ INCOMPLETE_INERTIAL = Rule(
     severity=Severity.ERROR,
     measured=Measured(classic="simulates what is left", sim="accepts it"),
     summary="An `<inertial>` has no `<mass>` or no `<inertia>`.",
-    why=(
-        "`urdfdom` stops reading the link there: its shapes are lost, and Gazebo drops a link "
-        "without mass."
-    ),
+    why="`urdfdom` stops reading the link there: its shapes are lost, and Gazebo drops a link "
+    "without mass.",
     example='<inertial>\n  <mass value="1"/>\n</inertial>',
-    instead=(
-        "<inertial>\n"
-        '  <mass value="1"/>\n'
-        '  <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>\n'
-        "</inertial>"
-    ),
+    instead="<inertial>\n"
+    '  <mass value="1"/>\n'
+    '  <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>\n'
+    "</inertial>",
 )
 
 UNDEFINED_MATERIAL = Rule(
@@ -90,12 +86,10 @@ UNDEFINED_MATERIAL = Rule(
     measured=Measured(classic="simulates it", sim="accepts it"),
     summary="A visual uses a material that is not defined.",
     why="Gazebo and RViz draw the link in their default color.",
-    example=(
-        "<visual>\n"
-        '  <geometry><sphere radius="0.1"/></geometry>\n'
-        '  <material name="blue"/>\n'
-        "</visual>"
-    ),
+    example="<visual>\n"
+    '  <geometry><sphere radius="0.1"/></geometry>\n'
+    '  <material name="blue"/>\n'
+    "</visual>",
     instead='<material name="blue">\n  <color rgba="0 0 1 1"/>\n</material>',
 )
 
@@ -105,16 +99,12 @@ TWO_COLORED_MATERIAL = Rule(
     severity=Severity.WARNING,
     summary="A material is defined with two colors.",
     why="Gazebo uses the first color for both; other programs may use the second.",
-    example=(
-        '<material name="blue"><color rgba="0 0 1 1"/></material>\n'
-        "…\n"
-        '<material name="blue"><color rgba="0 0 0.5 1"/></material>'
-    ),
-    instead=(
-        '<material name="blue"><color rgba="0 0 1 1"/></material>\n'
-        "…\n"
-        '<material name="dark_blue"><color rgba="0 0 0.5 1"/></material>'
-    ),
+    example='<material name="blue"><color rgba="0 0 1 1"/></material>\n'
+    "…\n"
+    '<material name="blue"><color rgba="0 0 0.5 1"/></material>',
+    instead='<material name="blue"><color rgba="0 0 1 1"/></material>\n'
+    "…\n"
+    '<material name="dark_blue"><color rgba="0 0 0.5 1"/></material>',
 )
 
 COLOR_OUT_OF_RANGE = Rule(
@@ -145,14 +135,10 @@ DUPLICATE_MATERIAL = Rule(
     severity=Severity.ERROR,
     measured=Measured(classic="refuses it", sim="refuses it"),
     summary="A material is defined twice at the top level of the robot.",
-    why=(
-        "`urdfdom` refuses the robot, even if the colors are equal. Usually a xacro file with "
-        "materials is included twice."
-    ),
-    example=(
-        '<material name="blue"><color rgba="0 0 1 1"/></material>\n'
-        '<material name="blue"><color rgba="0 0 1 1"/></material>'
-    ),
+    why="`urdfdom` refuses the robot, even if the colors are equal. Usually a xacro file with "
+    "materials is included twice.",
+    example='<material name="blue"><color rgba="0 0 1 1"/></material>\n'
+    '<material name="blue"><color rgba="0 0 1 1"/></material>',
     instead='<material name="blue"><color rgba="0 0 1 1"/></material>',
 )
 

@@ -58,21 +58,17 @@ DROPPED_LINK = Rule(
     "uses Gazebo",
     measured=Measured(classic="simulates what is left", sim="accepts it"),
     summary="Gazebo drops a link without mass and everything that is attached to it.",
-    why=(
-        "`sdformat` drops a link without mass unless a fixed joint attaches it to a link with "
-        "mass. The robot in Gazebo lacks the link, its joint and everything below it; older "
-        "versions do not print a warning. wsgen simulates what is left for Gazebo Classic."
-    ),
+    why="`sdformat` drops a link without mass unless a fixed joint attaches it to a link with "
+    "mass. The robot in Gazebo lacks the link, its joint and everything below it; older "
+    "versions do not print a warning. wsgen simulates what is left for Gazebo Classic.",
     example='<link name="wheel">\n  <collision>…</collision>\n</link>',
-    instead=(
-        '<link name="wheel">\n'
-        "  <inertial>\n"
-        '    <mass value="0.5"/>\n'
-        '    <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/>\n'
-        "  </inertial>\n"
-        "  <collision>…</collision>\n"
-        "</link>"
-    ),
+    instead='<link name="wheel">\n'
+    "  <inertial>\n"
+    '    <mass value="0.5"/>\n'
+    '    <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/>\n'
+    "  </inertial>\n"
+    "  <collision>…</collision>\n"
+    "</link>",
 )
 
 TWO_ZERO_MASSES = Rule(
@@ -81,16 +77,12 @@ TWO_ZERO_MASSES = Rule(
     severity=Severity.ERROR,
     measured=Measured(classic="simulates another robot", sim="refuses it"),
     summary="Two links of mass 0 are attached by a fixed joint.",
-    why=(
-        "`sdformat` lumps them and divides by their total mass: the center of mass is not a "
-        "number, and Gazebo refuses the robot."
-    ),
-    example=(
-        "<inertial>\n"
-        '  <mass value="0"/>\n'
-        '  <inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>\n'
-        "</inertial>"
-    ),
+    why="`sdformat` lumps them and divides by their total mass: the center of mass is not a "
+    "number, and Gazebo refuses the robot.",
+    example="<inertial>\n"
+    '  <mass value="0"/>\n'
+    '  <inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>\n'
+    "</inertial>",
     instead="Remove the `<inertial>` of links that are only frames.",
 )
 
@@ -101,16 +93,12 @@ IMPOSSIBLE_SUM = Rule(
     severity_varies="a warning in Gazebo Classic, which still loads the robot",
     measured=Measured(classic="simulates it", sim="refuses it"),
     summary="The total inertia of links that are connected by fixed joints is impossible.",
-    why=(
-        "`sdformat` lumps the links into one body, and Gazebo Sim refuses a robot with a body of "
-        "impossible inertia."
-    ),
-    example=(
-        "<inertial>\n"
-        '  <mass value="0"/>\n'
-        '  <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="9"/>\n'
-        "</inertial>"
-    ),
+    why="`sdformat` lumps the links into one body, and Gazebo Sim refuses a robot with a body of "
+    "impossible inertia.",
+    example="<inertial>\n"
+    '  <mass value="0"/>\n'
+    '  <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="9"/>\n'
+    "</inertial>",
     instead="Remove the `<inertial>` of the link without mass, or correct it.",
 )
 
@@ -120,27 +108,21 @@ GAZEBO_VALUE_WITHOUT_EFFECT = Rule(
     severity=Severity.WARNING,
     measured=Measured(classic="simulates it", sim="accepts it"),
     summary="A surface value in a `<gazebo>` element does not apply to a collision.",
-    why=(
-        "`sdformat` finds the collisions of a link by the names that it generates. A collision "
-        "with a `name` that does not begin with that of its link is not found, and keeps the "
-        "default friction."
-    ),
-    example=(
-        '<link name="wheel">\n'
-        '  <collision name="rubber">…</collision>\n'
-        "</link>\n"
-        '<gazebo reference="wheel">\n'
-        "  <mu1>0.2</mu1>\n"
-        "</gazebo>"
-    ),
-    instead=(
-        '<link name="wheel">\n'
-        "  <collision>…</collision>\n"
-        "</link>\n"
-        '<gazebo reference="wheel">\n'
-        "  <mu1>0.2</mu1>\n"
-        "</gazebo>"
-    ),
+    why="`sdformat` finds the collisions of a link by the names that it generates. A collision "
+    "with a `name` that does not begin with that of its link is not found, and keeps the "
+    "default friction.",
+    example='<link name="wheel">\n'
+    '  <collision name="rubber">…</collision>\n'
+    "</link>\n"
+    '<gazebo reference="wheel">\n'
+    "  <mu1>0.2</mu1>\n"
+    "</gazebo>",
+    instead='<link name="wheel">\n'
+    "  <collision>…</collision>\n"
+    "</link>\n"
+    '<gazebo reference="wheel">\n'
+    "  <mu1>0.2</mu1>\n"
+    "</gazebo>",
 )
 
 UNKNOWN_END_OF_SDF_JOINT = Rule(
@@ -149,26 +131,20 @@ UNKNOWN_END_OF_SDF_JOINT = Rule(
     severity=Severity.ERROR,
     measured=Measured(classic="simulates what is left", sim="refuses it"),
     summary="An SDF joint in a `<gazebo>` element names a link that does not exist.",
-    why=(
-        "Gazebo adds the joint to the robot, and then refuses the robot because the link does not "
-        "exist."
-    ),
-    example=(
-        "<gazebo>\n"
-        '  <joint name="closing_joint" type="revolute">\n'
-        "    <parent>arm</parent>\n"
-        "    <child>hnad</child>\n"
-        "  </joint>\n"
-        "</gazebo>"
-    ),
-    instead=(
-        "<gazebo>\n"
-        '  <joint name="closing_joint" type="revolute">\n'
-        "    <parent>arm</parent>\n"
-        "    <child>hand</child>\n"
-        "  </joint>\n"
-        "</gazebo>"
-    ),
+    why="Gazebo adds the joint to the robot, and then refuses the robot because the link does not "
+    "exist.",
+    example="<gazebo>\n"
+    '  <joint name="closing_joint" type="revolute">\n'
+    "    <parent>arm</parent>\n"
+    "    <child>hnad</child>\n"
+    "  </joint>\n"
+    "</gazebo>",
+    instead="<gazebo>\n"
+    '  <joint name="closing_joint" type="revolute">\n'
+    "    <parent>arm</parent>\n"
+    "    <child>hand</child>\n"
+    "  </joint>\n"
+    "</gazebo>",
 )
 
 LUMPED_END_OF_SDF_JOINT = Rule(
@@ -177,23 +153,17 @@ LUMPED_END_OF_SDF_JOINT = Rule(
     severity=Severity.WARNING,
     measured=Measured(classic="simulates it", sim="refuses it"),
     summary="An SDF joint in a `<gazebo>` element names a link that is lumped into another one.",
-    why=(
-        "Gazebo Sim with sdformat before 12.7 and 13.1 (Debian 12 and Ubuntu 22.04 have such "
-        "versions) does not find the lumped link, and refuses the robot."
-    ),
-    example=(
-        "<gazebo>\n"
-        '  <joint name="closing_joint" type="revolute">\n'
-        "    <parent>arm</parent>\n"
-        "    <child>flange</child>\n"
-        "  </joint>\n"
-        "</gazebo>"
-    ),
-    instead=(
-        '<gazebo reference="flange_joint">\n'
-        "  <preserveFixedJoint>true</preserveFixedJoint>\n"
-        "</gazebo>"
-    ),
+    why="Gazebo Sim with sdformat before 12.7 and 13.1 (Debian 12 and Ubuntu 22.04 have such "
+    "versions) does not find the lumped link, and refuses the robot.",
+    example="<gazebo>\n"
+    '  <joint name="closing_joint" type="revolute">\n'
+    "    <parent>arm</parent>\n"
+    "    <child>flange</child>\n"
+    "  </joint>\n"
+    "</gazebo>",
+    instead='<gazebo reference="flange_joint">\n'
+    "  <preserveFixedJoint>true</preserveFixedJoint>\n"
+    "</gazebo>",
 )
 
 DROPPED_BY_OLD_SDFORMAT = Rule(
@@ -203,25 +173,19 @@ DROPPED_BY_OLD_SDFORMAT = Rule(
     severity_varies="an error in Gazebo Classic, which Ubuntu 22.04 has with such a version",
     measured=Measured(classic="simulates what is left", sim="accepts it"),
     summary="Older versions of sdformat drop links on movable joints of a link without mass.",
-    why=(
-        "`sdformat` before 9.10.1, 12.7.2 and 13.5 (Debian 12 and Ubuntu 22.04 have such "
-        "versions) drops every link that is attached to a lumped link without mass by a "
-        "movable joint."
-    ),
-    example=(
-        '<link name="wheel_mount"/>\n'
-        '<joint name="mount_joint" type="fixed">…</joint>\n'
-        '<joint name="wheel_joint" type="continuous">\n'
-        '  <parent link="wheel_mount"/>\n'
-        '  <child link="wheel"/>\n'
-        "</joint>"
-    ),
-    instead=(
-        '<joint name="wheel_joint" type="continuous">\n'
-        '  <parent link="base_link"/>\n'
-        '  <child link="wheel"/>\n'
-        "</joint>"
-    ),
+    why="`sdformat` before 9.10.1, 12.7.2 and 13.5 (Debian 12 and Ubuntu 22.04 have such "
+    "versions) drops every link that is attached to a lumped link without mass by a "
+    "movable joint.",
+    example='<link name="wheel_mount"/>\n'
+    '<joint name="mount_joint" type="fixed">…</joint>\n'
+    '<joint name="wheel_joint" type="continuous">\n'
+    '  <parent link="wheel_mount"/>\n'
+    '  <child link="wheel"/>\n'
+    "</joint>",
+    instead='<joint name="wheel_joint" type="continuous">\n'
+    '  <parent link="base_link"/>\n'
+    '  <child link="wheel"/>\n'
+    "</joint>",
 )
 
 

@@ -66,10 +66,8 @@ NOT_A_ROBOT = Rule(
     severity=Severity.ERROR,
     measured=Measured(classic="refuses it", sim="refuses it"),
     summary="The root element of a URDF is not `<robot>`.",
-    why=(
-        "`urdfdom` reads `<robot>` only. An SDF file is checked as SDF when its name ends in "
-        ".sdf or .world."
-    ),
+    why="`urdfdom` reads `<robot>` only. An SDF file is checked as SDF when its name ends in "
+    ".sdf or .world.",
     example='<robots name="r">\n  <link name="base_link"/>\n</robots>',
     instead='<robot name="r">\n  <link name="base_link"/>\n</robot>',
 )
@@ -103,14 +101,10 @@ DUPLICATE_JOINT = Rule(
     measured=Measured(classic="refuses it", sim="refuses it"),
     summary="Two joints have the same name.",
     why="`urdfdom` refuses the robot, and PyBullet crashes on it.",
-    example=(
-        '<joint name="wheel_joint" type="continuous">…</joint>\n'
-        '<joint name="wheel_joint" type="continuous">…</joint>'
-    ),
-    instead=(
-        '<joint name="left_wheel_joint" type="continuous">…</joint>\n'
-        '<joint name="right_wheel_joint" type="continuous">…</joint>'
-    ),
+    example='<joint name="wheel_joint" type="continuous">…</joint>\n'
+    '<joint name="wheel_joint" type="continuous">…</joint>',
+    instead='<joint name="left_wheel_joint" type="continuous">…</joint>\n'
+    '<joint name="right_wheel_joint" type="continuous">…</joint>',
 )
 
 UNEXPANDED_XACRO = Rule(
@@ -120,11 +114,9 @@ UNEXPANDED_XACRO = Rule(
     severity_varies="a warning in a name or a plugin, which use the text as it is",
     measured=Measured(classic="refuses it", sim="refuses it"),
     summary="A URDF contains a xacro expression.",
-    why=(
-        "Gazebo and robot_state_publisher do not evaluate xacro: they refuse the text or read 0. "
-        "Usually a launch file reads the .xacro file without expanding it, or a macro or property "
-        "is not defined."
-    ),
+    why="Gazebo and robot_state_publisher do not evaluate xacro: they refuse the text or read 0. "
+    "Usually a launch file reads the .xacro file without expanding it, or a macro or property "
+    "is not defined.",
     example="with open('robot.urdf.xacro') as file:\n    robot_description = file.read()",
     instead="robot_description = xacro.process_file('robot.urdf.xacro').toxml()",
 )

@@ -46,19 +46,15 @@ SEVERAL_ROOTS = Rule(
     severity=Severity.ERROR,
     measured=Measured(classic="refuses it", sim="refuses it"),
     summary="More than one link has no parent.",
-    why=(
-        "A URDF is a tree with one root link. Gazebo and robot_state_publisher refuse the "
-        "robot, and PyBullet crashes on it."
-    ),
+    why="A URDF is a tree with one root link. Gazebo and robot_state_publisher refuse the "
+    "robot, and PyBullet crashes on it.",
     example='<link name="base_link"/>\n<link name="camera"/>',
-    instead=(
-        '<link name="base_link"/>\n'
-        '<link name="camera"/>\n'
-        '<joint name="camera_joint" type="fixed">\n'
-        '  <parent link="base_link"/>\n'
-        '  <child link="camera"/>\n'
-        "</joint>"
-    ),
+    instead='<link name="base_link"/>\n'
+    '<link name="camera"/>\n'
+    '<joint name="camera_joint" type="fixed">\n'
+    '  <parent link="base_link"/>\n'
+    '  <child link="camera"/>\n'
+    "</joint>",
 )
 
 LINK_CYCLE = Rule(
@@ -66,18 +62,12 @@ LINK_CYCLE = Rule(
     name="link-cycle",
     severity=Severity.ERROR,
     summary="The links form a cycle.",
-    why=(
-        "A URDF is a tree. With a cycle, `check_urdf` and `gz sdf` print endlessly, and PyBullet "
-        "crashes."
-    ),
-    example=(
-        '<joint name="a" type="fixed"><parent link="arm"/><child link="hand"/></joint>\n'
-        '<joint name="b" type="fixed"><parent link="hand"/><child link="arm"/></joint>'
-    ),
-    instead=(
-        '<joint name="a" type="fixed"><parent link="base_link"/><child link="arm"/></joint>\n'
-        '<joint name="b" type="fixed"><parent link="arm"/><child link="hand"/></joint>'
-    ),
+    why="A URDF is a tree. With a cycle, `check_urdf` and `gz sdf` print endlessly, and PyBullet "
+    "crashes.",
+    example='<joint name="a" type="fixed"><parent link="arm"/><child link="hand"/></joint>\n'
+    '<joint name="b" type="fixed"><parent link="hand"/><child link="arm"/></joint>',
+    instead='<joint name="a" type="fixed"><parent link="base_link"/><child link="arm"/></joint>\n'
+    '<joint name="b" type="fixed"><parent link="arm"/><child link="hand"/></joint>',
 )
 
 TWO_PARENTS = Rule(
@@ -86,14 +76,10 @@ TWO_PARENTS = Rule(
     severity=Severity.ERROR,
     measured=Measured(classic="simulates another robot", sim="refuses it"),
     summary="A link is the child of two joints.",
-    why=(
-        "A URDF is a tree: each link has one parent, and urdfdom refuses the robot. Closed "
-        "chains need SDF."
-    ),
-    example=(
-        '<joint name="a" type="fixed"><parent link="left_arm"/><child link="hand"/></joint>\n'
-        '<joint name="b" type="fixed"><parent link="right_arm"/><child link="hand"/></joint>'
-    ),
+    why="A URDF is a tree: each link has one parent, and urdfdom refuses the robot. Closed "
+    "chains need SDF.",
+    example='<joint name="a" type="fixed"><parent link="left_arm"/><child link="hand"/></joint>\n'
+    '<joint name="b" type="fixed"><parent link="right_arm"/><child link="hand"/></joint>',
     instead='<joint name="a" type="fixed"><parent link="left_arm"/><child link="hand"/></joint>',
 )
 
@@ -104,18 +90,12 @@ MIMIC_CYCLE = Rule(
     severity_varies="a warning in Gazebo Classic, where such joints move independently",
     measured=Measured(classic="simulates it", sim="accepts it"),
     summary="A joint mimics itself, directly or through other joints.",
-    why=(
-        "The positions of these joints are not determined, and programs that follow the cycle may "
-        "never finish."
-    ),
-    example=(
-        '<joint name="left_joint" type="revolute"><mimic joint="right_joint"/>…</joint>\n'
-        '<joint name="right_joint" type="revolute"><mimic joint="left_joint"/>…</joint>'
-    ),
-    instead=(
-        '<joint name="left_joint" type="revolute">…</joint>\n'
-        '<joint name="right_joint" type="revolute"><mimic joint="left_joint"/>…</joint>'
-    ),
+    why="The positions of these joints are not determined, and programs that follow the cycle may "
+    "never finish.",
+    example='<joint name="left_joint" type="revolute"><mimic joint="right_joint"/>…</joint>\n'
+    '<joint name="right_joint" type="revolute"><mimic joint="left_joint"/>…</joint>',
+    instead='<joint name="left_joint" type="revolute">…</joint>\n'
+    '<joint name="right_joint" type="revolute"><mimic joint="left_joint"/>…</joint>',
 )
 
 

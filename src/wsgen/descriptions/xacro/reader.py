@@ -358,10 +358,8 @@ XACRO_FILE_FAILS = Rule(
     severity=Severity.ERROR,
     summary="`xacro` cannot expand the file.",
     why=("The launch file stops with the same error, and the robot is not spawned."),
-    example=(
-        '<xacro:property name="radius" value="0,1"/>\n'
-        '<cylinder radius="${radius / 2}" length="0.1"/>'
-    ),
+    example='<xacro:property name="radius" value="0,1"/>\n'
+    '<cylinder radius="${radius / 2}" length="0.1"/>',
     instead='<xacro:property name="radius" value="0.1"/>',
 )
 
