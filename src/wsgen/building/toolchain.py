@@ -337,9 +337,7 @@ def ignore_python_environments() -> None:
     whose wheels have manifests. colcon asks its extension for COLCON_IGNORE first in each folder.
     """
     from colcon_core.package_identification import IgnoreLocationException  # noqa: PLC0415  see above
-    from colcon_core.package_identification.ignore import (  # noqa: PLC0415
-        IgnorePackageIdentification,
-    )
+    from colcon_core.package_identification.ignore import IgnorePackageIdentification  # noqa: PLC0415
 
     ignores = IgnorePackageIdentification.identify
 

@@ -24,13 +24,7 @@ from wsgen.isolation.child import set_search_path
 from wsgen.isolation.codec import decode
 from wsgen.isolation.guard import stand_guard
 from wsgen.isolation.system import take_parent_death_pipe
-from wsgen.live.request import (
-    GO,
-    NODES,
-    NODES_FILE,
-    NodeServerRequest,
-    ServiceRequest,
-)
+from wsgen.live.request import GO, NODES, NODES_FILE, NodeServerRequest, ServiceRequest
 from wsgen.live.resources import remove_left_behind
 from wsgen.simulation.live_runs import REQUEST_FILE
 

@@ -7,10 +7,7 @@ from the link frame, `pose_in_parent` from the parent link's frame. What the URD
 
 from __future__ import annotations
 
-from collections.abc import (  # noqa: TC003  the file of a live run is decoded by type hints
-    Collection,
-    Mapping,
-)
+from collections.abc import Collection, Mapping  # noqa: TC003  the file of a live run is decoded by type hints
 from dataclasses import field
 from enum import Enum
 from typing import NamedTuple

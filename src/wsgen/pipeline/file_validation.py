@@ -241,11 +241,7 @@ class FileValidation:
         """The user's own Gazebo, for what the file has, if it is wanted."""
         if self.request.gazebo == "no":
             return None
-        from wsgen.pipeline.real_gazebo import (  # noqa: PLC0415  it is seldom wanted
-            RealGazebo,
-            packages_of_meshes,
-            with_folders,
-        )
+        from wsgen.pipeline.real_gazebo import RealGazebo, packages_of_meshes, with_folders  # noqa: PLC0415  it is seldom wanted
 
         # Nobody sets the search path of a file: what is found here, Gazebo is to find.
         named = packages_of_meshes(robot.text for robot in prepared)

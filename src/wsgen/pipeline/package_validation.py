@@ -142,10 +142,7 @@ class Validation:
         ):
             self.diagnostics = why_nothing_is_simulated(started.plan, self.diagnostics)
         # Other commands read packages, too, and need nothing of what checks them.
-        from wsgen.pipeline.check_validated import (  # noqa: PLC0415
-            errors_of_check,
-            without_undeclared,
-        )
+        from wsgen.pipeline.check_validated import errors_of_check, without_undeclared  # noqa: PLC0415
 
         self.diagnostics = without_undeclared(self)
         self.diagnostics += errors_of_check(self, world, scene)

@@ -26,12 +26,7 @@ from wsgen.events import OneAtATime
 from wsgen.isolation.result import Limits
 from wsgen.model.behavior import ELEMENT
 from wsgen.model.engines import ENGINES, GAZEBO, name_engines
-from wsgen.model.outcome import (
-    EngineOutcome,
-    Rest,
-    RobotOutcome,
-    Simulated,
-)
+from wsgen.model.outcome import EngineOutcome, Rest, RobotOutcome, Simulated
 from wsgen.model.robot import MOST_LINKS
 from wsgen.pipeline.parallel import run_parallel
 from wsgen.pipeline.requests import SimulationResult

@@ -7,11 +7,7 @@ from dataclasses import field
 from pathlib import Path  # noqa: TC003
 from typing import TYPE_CHECKING
 
-from wsgen.model.behavior import (  # noqa: TC001  live runs decode a scene
-    BehaviorRun,
-    DiffDrive,
-    TimeSeries,
-)
+from wsgen.model.behavior import BehaviorRun, DiffDrive, TimeSeries  # noqa: TC001  live runs decode a scene
 from wsgen.model.outcome import SceneView  # noqa: TC001
 from wsgen.model.robot import Robot  # noqa: TC001
 from wsgen.model.transform import IDENTITY, Pose, Vector

@@ -28,14 +28,7 @@ from distributed import Client, Future, KilledWorker, LocalCluster, WorkerPlugin
 from wsgen import __version__
 from wsgen.errors import NotFoundError, NotReadableError, RequestError, WsgenError
 from wsgen.isolation.result import DEFAULT_LIMITS, Died, Limits
-from wsgen.sweeping.children import (
-    ATTEMPTS,
-    Child,
-    ChildDiedError,
-    CopiedFiles,
-    Shared,
-    name_of,
-)
+from wsgen.sweeping.children import ATTEMPTS, Child, ChildDiedError, CopiedFiles, Shared, name_of
 from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:

@@ -10,13 +10,7 @@ import re
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Measured, Rule, Severity
-from wsgen.gazebo.plugins import (
-    OF_CLASSIC,
-    PLUGINS,
-    GazeboPlugin,
-    simulator_of,
-    stem,
-)
+from wsgen.gazebo.plugins import OF_CLASSIC, PLUGINS, GazeboPlugin, simulator_of, stem
 from wsgen.gazebo.sensors import FRAME_NAMES, RAYS, WITH_FRAMES, WITH_RAYS
 from wsgen.gazebo.successors import FROM_ROS_1, OF_THE_OTHER, SUCCESSORS, is_served, predecessor
 from wsgen.gazebo.systems import remark_on

@@ -8,12 +8,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
-from wsgen.packages.imported_packages import (
-    certain_nodes,
-    is_beside,
-    misspelled_module,
-    name_of,
-)
+from wsgen.packages.imported_packages import certain_nodes, is_beside, misspelled_module, name_of
 from wsgen.packages.workspace.python_nodes import KINDS, PARAMETERS, arguments_of
 from wsgen.ros.environment.interfaces import common_packages, fields_of
 from wsgen.text.pythontree import is_text

@@ -11,14 +11,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.descriptions.urdf.reader import read_document
-from wsgen.model.devices import (
-    NUMBERS_OF_POSE,
-    Carried,
-    Devices,
-    MountedSensor,
-    copied,
-    pose_of,
-)
+from wsgen.model.devices import NUMBERS_OF_POSE, Carried, Devices, MountedSensor, copied, pose_of
 from wsgen.model.kinematics import fixed_frames, link_poses
 from wsgen.model.transform import IDENTITY, compose, invert
 from wsgen.text.xmltree import children

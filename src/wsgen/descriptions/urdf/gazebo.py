@@ -21,13 +21,7 @@ from wsgen.descriptions.urdf.values import (
     without_commas,
 )
 from wsgen.diagnostics import Measured, Rule, Severity
-from wsgen.model.robot import (
-    GAZEBO_COLORS,
-    GazeboTag,
-    Plugin,
-    SdfJoint,
-    Sensor,
-)
+from wsgen.model.robot import GAZEBO_COLORS, GazeboTag, Plugin, SdfJoint, Sensor
 from wsgen.text.suggestions import did_you_mean, nearest
 from wsgen.text.xmltree import child_text, child_texts, children, gz_attribute
 

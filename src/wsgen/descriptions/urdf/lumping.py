@@ -11,13 +11,7 @@ from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
 from wsgen.descriptions.rules import IMPOSSIBLE_INERTIA, NO_LINK
-from wsgen.descriptions.urdf.extensions import (
-    HELD,
-    LOOSE,
-    extend_joints,
-    extend_links,
-    is_static,
-)
+from wsgen.descriptions.urdf.extensions import HELD, LOOSE, extend_joints, extend_links, is_static
 from wsgen.descriptions.urdf.gazebo import (
     NOT_SIMULATED_HINT,
     NOT_SIMULATED_MESSAGE,

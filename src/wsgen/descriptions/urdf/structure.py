@@ -17,11 +17,7 @@ from wsgen.descriptions.rules import (
     UNKNOWN_LINK,
     UNKNOWN_MIMICKED_JOINT,
 )
-from wsgen.descriptions.urdf.lumping import (
-    WORLD,
-    is_impossible,
-    parts_of_impossible_sums,
-)
+from wsgen.descriptions.urdf.lumping import WORLD, is_impossible, parts_of_impossible_sums
 from wsgen.descriptions.urdf.unknown_elements import nearest_element
 from wsgen.diagnostics import Measured, Rule, Severity
 from wsgen.model.inertia import as_attributes, if_filled, principal_moments

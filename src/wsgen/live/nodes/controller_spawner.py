@@ -244,10 +244,7 @@ def main() -> int:
     from rclpy.signals import SignalHandlerOptions  # noqa: PLC0415
     from rclpy.utilities import remove_ros_args  # noqa: PLC0415
 
-    from wsgen.live.nodes.controller_services import (  # noqa: PLC0415  with ROS alone
-        ManagerClient,
-        ServiceMissingError,
-    )
+    from wsgen.live.nodes.controller_services import ManagerClient, ServiceMissingError  # noqa: PLC0415  with ROS alone
 
     node: Any = None
     try:

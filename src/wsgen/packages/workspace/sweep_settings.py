@@ -25,13 +25,7 @@ from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 from wsgen.model.engines import ENGINES
-from wsgen.model.sweep import (
-    LONGEST_RUN,
-    MOST_SEED,
-    MOST_VARIANTS,
-    SAMPLERS,
-    SHORTEST_RUN,
-)
+from wsgen.model.sweep import LONGEST_RUN, MOST_SEED, MOST_VARIANTS, SAMPLERS, SHORTEST_RUN
 from wsgen.text.suggestions import advice
 from wsgen.text.tomlfile import find_line
 from wsgen.text.values import dataclass

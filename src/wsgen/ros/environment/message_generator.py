@@ -48,9 +48,7 @@ def main() -> None:
     from rosidl_generator_py.generate_py_impl import generate_py  # noqa: PLC0415  as above
     from rosidl_generator_type_description import generate_type_hash  # noqa: PLC0415  as above
     from rosidl_typesupport_c import generate_c as generate_type_support  # noqa: PLC0415
-    from rosidl_typesupport_fastrtps_c import (  # noqa: PLC0415  as above
-        generate_typesupport_fastrtps_c,
-    )
+    from rosidl_typesupport_fastrtps_c import generate_typesupport_fastrtps_c  # noqa: PLC0415  as above
     from rosidl_typesupport_introspection_c import generate_c as generate_introspection  # noqa: PLC0415
 
     package = request["package"]

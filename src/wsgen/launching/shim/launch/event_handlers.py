@@ -5,13 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from launch._events import (
-    ExecutionComplete,
-    ProcessExited,
-    ProcessIO,
-    ProcessStarted,
-    Shutdown,
-)
+from launch._events import ExecutionComplete, ProcessExited, ProcessIO, ProcessStarted, Shutdown
 from launch._finder import show_public_names
 from launch.actions import ExecuteLocal
 from launch.base import Action, BaseEventHandler, LaunchDescriptionEntity

@@ -6,12 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from wsgen.live.nodes.simulator.host import FASTEST
-from wsgen.model.transform import (
-    Pose,
-    quaternion_of_rpy,
-    rotation_of_quaternion,
-    rpy_of_rotation,
-)
+from wsgen.model.transform import Pose, quaternion_of_rpy, rotation_of_quaternion, rpy_of_rotation
 
 if TYPE_CHECKING:
     from wsgen.live.nodes.simulator.host import Host, RobotHandle

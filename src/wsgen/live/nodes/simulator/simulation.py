@@ -10,11 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from wsgen.gazebo.plugins import stem
 from wsgen.gazebo.sensors import SYSTEM_OF_SENSOR
-from wsgen.gazebo.systems import (
-    DEFAULT_SYSTEMS,
-    loaded_class,
-    plugin_of,
-)
+from wsgen.gazebo.systems import DEFAULT_SYSTEMS, loaded_class, plugin_of
 from wsgen.live.nodes.simulator.host import CannotWorkError, Due, Host, RobotHandle
 from wsgen.live.nodes.simulator.plugins import DONE_BY_SIMULATOR, PLUGINS, WORLD_PLUGINS
 from wsgen.live.nodes.simulator.sensors import SENSORS

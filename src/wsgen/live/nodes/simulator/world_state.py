@@ -10,13 +10,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from gazebo_msgs.msg import LinkStates, ModelStates
-from gazebo_msgs.srv import (
-    DeleteEntity,
-    GetEntityState,
-    GetModelList,
-    SetEntityState,
-    SpawnEntity,
-)
+from gazebo_msgs.srv import DeleteEntity, GetEntityState, GetModelList, SetEntityState, SpawnEntity
 from geometry_msgs.msg import Pose as PoseMessage
 from geometry_msgs.msg import Twist
 

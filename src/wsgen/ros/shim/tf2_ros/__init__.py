@@ -25,11 +25,7 @@ from tf2_ros.buffer_interface import (
 )
 from tf2_ros.static_transform_broadcaster import StaticTransformBroadcaster
 from tf2_ros.transform_broadcaster import TransformBroadcaster
-from tf2_ros.transform_listener import (
-    DEFAULT_STATIC_TF_TOPIC,
-    DEFAULT_TF_TOPIC,
-    TransformListener,
-)
+from tf2_ros.transform_listener import DEFAULT_STATIC_TF_TOPIC, DEFAULT_TF_TOPIC, TransformListener
 
 __all__ = [
     "DEFAULT_STATIC_TF_TOPIC",

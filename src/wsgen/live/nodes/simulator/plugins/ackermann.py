@@ -16,9 +16,7 @@ from std_msgs.msg import Float32, Float64
 
 from wsgen.live.nodes.simulator.elements import boolean, number, text, topics_of, vector
 from wsgen.live.nodes.simulator.host import CannotWorkError, Plugin
-from wsgen.live.nodes.simulator.messages import (
-    can_follow_twist,
-)
+from wsgen.live.nodes.simulator.messages import can_follow_twist
 from wsgen.live.nodes.simulator.plugins.drives import (
     ClassicOdometry,
     DrivePublisher,

@@ -17,10 +17,7 @@ from wsgen.descriptions.urdf.diff_drive import UnusableError, read_drive
 from wsgen.gazebo.plugins import TWO_WHEELS
 from wsgen.live.nodes.simulator.elements import boolean, number, topics_of
 from wsgen.live.nodes.simulator.host import CannotWorkError, Plugin
-from wsgen.live.nodes.simulator.messages import (
-    can_follow_twist,
-    of_yaw,
-)
+from wsgen.live.nodes.simulator.messages import can_follow_twist, of_yaw
 from wsgen.live.nodes.simulator.plugins.drives import (
     ClassicOdometry,
     DrivePublisher,

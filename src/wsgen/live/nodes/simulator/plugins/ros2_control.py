@@ -23,9 +23,7 @@ from wsgen.live.nodes.simulator.ros2_control.sensor_hardware import sensors_of
 
 if TYPE_CHECKING:
     from wsgen.live.nodes.simulator.host import Host, RobotHandle
-    from wsgen.live.nodes.simulator.ros2_control.sensor_hardware import (
-        SensorHardware,
-    )
+    from wsgen.live.nodes.simulator.ros2_control.sensor_hardware import SensorHardware
     from wsgen.model.devices import Element
 
 DESCRIPTION = "robot_description"  # the topic of robot_state_publisher

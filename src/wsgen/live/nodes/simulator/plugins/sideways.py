@@ -17,10 +17,7 @@ from geometry_msgs.msg import Twist
 
 from wsgen.live.nodes.simulator.elements import number, topics_of, vector
 from wsgen.live.nodes.simulator.host import Plugin
-from wsgen.live.nodes.simulator.messages import (
-    can_follow_twist,
-    yaw_of,
-)
+from wsgen.live.nodes.simulator.messages import can_follow_twist, yaw_of
 from wsgen.live.nodes.simulator.plugins.drives import (
     ClassicOdometry,
     DrivePublisher,

@@ -17,13 +17,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from wsgen.live.nodes.simulator.ros2_control.controllers.actions import GoalServer
 from wsgen.live.nodes.simulator.ros2_control.controllers.base import Controller, ControllerError
-from wsgen.live.nodes.simulator.ros2_control.hardware import (
-    EFFORT,
-    POSITION,
-    VELOCITY,
-    Gains,
-    Pid,
-)
+from wsgen.live.nodes.simulator.ros2_control.hardware import EFFORT, POSITION, VELOCITY, Gains, Pid
 from wsgen.live.nodes.simulator.ros2_control.trajectory import (
     FIELDS,
     Accepted,
