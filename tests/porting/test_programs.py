@@ -98,6 +98,86 @@ def test_requests_get_the_fields_of_gazebo_sim() -> None:
     assert port_program(SourceText(FILE, SPAWNS_AFTER)) is None
 
 
+MOVES = """from gazebo_msgs.msg import EntityState
+from gazebo_msgs.srv import SetEntityState
+
+
+class Mover:
+    def __init__(self):
+        self.client = self.create_client(SetEntityState, "/gazebo/set_entity_state")
+
+    def move(self, name: str) -> None:
+        request = SetEntityState.Request()
+        request.state = EntityState()
+        request.state.name = name
+        request.state.pose.position.x = 1.0
+        request.state.twist.linear.x = 0.0
+        request.state.reference_frame = "world"
+        self.log(f"{request.state.name} to {request.state.pose.position.x}")
+        self.client.call_async(request)
+
+    def move_too(self, pose: Pose) -> None:
+        state = EntityState()
+        state.name = "a"  # of the world
+        state.pose = pose
+        req = SetEntityState.Request()
+        req.state = state
+        self.client.call_async(req)
+
+    def move_again(self, pose: Pose) -> None:
+        req = SetEntityState.Request()
+        s = req.state
+        s.pose = pose
+"""
+MOVES_AFTER = """from ros_gz_interfaces.msg import Entity
+from ros_gz_interfaces.srv import SetEntityPose
+
+
+class Mover:
+    def __init__(self):
+        self.client = self.create_client(SetEntityPose, "/gazebo/set_entity_state")
+
+    def move(self, name: str) -> None:
+        request = SetEntityPose.Request()
+        request.entity.name = name
+        request.entity.type = Entity.MODEL
+        request.pose.position.x = 1.0
+        self.log(f"{request.entity.name} to {request.pose.position.x}")
+        self.client.call_async(request)
+
+    def move_too(self, pose: Pose) -> None:
+        state = SetEntityPose.Request()
+        state.entity.name = "a"  # of the world
+        state.entity.type = Entity.MODEL
+        state.pose = pose
+        req = SetEntityPose.Request()
+        req = state
+        self.client.call_async(req)
+
+    def move_again(self, pose: Pose) -> None:
+        req = SetEntityPose.Request()
+        s = req
+        s.pose = pose
+"""
+
+
+def test_a_state_becomes_the_request_of_a_pose() -> None:
+    made = port_program(SourceText(FILE, MOVES))
+    assert made is not None
+    assert apply(MOVES, made.edits) == MOVES_AFTER
+    assert made.unported == ()
+    (row,) = made.services
+    assert row.gz_topic == "/world/{world}/set_pose"
+    assert row.ros_type == "ros_gz_interfaces/srv/SetEntityPose"
+    assert row.ros_topic == "/gazebo/set_entity_state"
+
+
+def test_the_velocity_of_a_state_is_left_to_the_author() -> None:
+    made = port_program(SourceText(FILE, MOVES.replace("linear.x = 0.0", "linear.x = speed")))
+    assert made is not None
+    assert [one.what for one in made.unported] == ["The service of Gazebo Sim has no `twist`."]
+
+
 def test_what_a_request_can_no_longer_say_is_left_to_the_author() -> None:
     text = SPAWNS.replace('"world"', '"table"').replace(
         'robot_namespace = ""', "robot_namespace = n"
@@ -113,7 +193,7 @@ def test_what_a_request_can_no_longer_say_is_left_to_the_author() -> None:
 @pytest.mark.parametrize(
     "text",
     [
-        SPAWNS.replace("import DeleteEntity", "import SetEntityState, DeleteEntity"),
+        SPAWNS.replace("import DeleteEntity", "import GetEntityState, DeleteEntity"),
         SPAWNS.replace("DeleteEntity, SpawnEntity", "DeleteEntity, SpawnEntity as S"),
         f"import gazebo_msgs.msg\n{SPAWNS}",
         SPAWNS.replace('"spawn_entity"', "name"),
