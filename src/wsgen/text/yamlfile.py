@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from copy import copy
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -38,6 +39,14 @@ class Value(NamedTuple):
     def elements(self) -> tuple[Value, ...]:
         """The elements of a list; nothing of what is none."""
         return tuple(self.content) if isinstance(self.content, list) else ()
+
+    @property
+    def plain(self) -> Any:
+        """The content, without lines."""
+        if isinstance(self.content, dict):
+            return {key: value.plain for key, value in self.content.items()}
+        elements = isinstance(self.content, list)
+        return [value.plain for value in self.content] if elements else self.content
 
     @property
     def text(self) -> str | None:
@@ -92,6 +101,55 @@ def parse(text: str, *, are_parameters: bool = False) -> Value | NotYaml | None:
         return NotYaml(str(error).partition("\n")[0], 1)
     except (RecursionError, OverflowError):
         return None
+
+
+def parameters_of(content: Any, node: str) -> dict[str, Any]:
+    """What a file of parameters, in plain values, says of a node: `/robot/manager`."""
+    found: dict[str, Any] = {}
+    for name, values in parameter_sections(content):
+        if is_meant(name, node):
+            found.update(flat_parameters(values))
+    return found
+
+
+def parameter_sections(content: Any, name: str = "") -> Iterator[tuple[str, dict[Any, Any]]]:
+    """Full names of nodes, or patterns of them, with parameters; sections may be nested."""
+    for key, section in content.items() if isinstance(content, dict) else ():
+        if key == "ros__parameters":
+            if isinstance(section, dict):
+                yield name, section
+        else:
+            yield from parameter_sections(section, f"{name}/{str(key).strip('/')}".rstrip("/"))
+
+
+def is_meant(pattern: str, node: str) -> bool:
+    """Whether a section is for the node; `*` stands for one part of a name, `**` for several.
+
+    As in rclcpp's `parameter_map_from` (rclcpp/src/rclcpp/parameter_map.cpp).
+    """
+    if "*" not in pattern:
+        return pattern == node
+    parts = {"**": r"(/[^/]+)*", "*": r"/[^/]+"}
+    names = pattern.strip("/").split("/")
+    return bool(re.fullmatch("".join(parts.get(n, "/" + re.escape(n)) for n in names), node))
+
+
+def flat_parameters(values: dict[Any, Any], prefix: str = "") -> dict[str, Any]:
+    """Parameters by their full names, `gains.joint_1.p`."""
+    flat: dict[str, Any] = {}
+    for name, value in values.items():
+        if isinstance(value, dict):
+            flat.update(flat_parameters(value, f"{prefix}{name}."))
+        else:
+            flat[f"{prefix}{name}"] = _plain(value)
+    return flat
+
+
+def _plain(value: Any) -> Any:
+    """The value as the node sees it: what is a date to Python is a text to it."""
+    if isinstance(value, list):
+        return [_plain(item) for item in value]
+    return value if isinstance(value, (str, int, float, bool, type(None))) else str(value)
 
 
 def merge_repeated(node: Any) -> None:

@@ -6,11 +6,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.live.nodes.simulator.ros2_control.parameters import (
-    ParameterFiles,
-    Parameters,
-    is_match,
-)
+from wsgen.live.nodes.simulator.ros2_control.parameters import ParameterFiles, Parameters
+from wsgen.text.yamlfile import is_meant
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -34,7 +31,7 @@ if TYPE_CHECKING:
 def test_sections_are_for_nodes_as_rclcpp_matches_them(
     pattern: str, name: str, matches: bool
 ) -> None:
-    assert is_match(pattern, name) is matches
+    assert is_meant(pattern, name) is matches
 
 
 def test_later_sections_override_and_names_are_joined_by_dots(tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +21,12 @@ from wsgen.launching.live import ParameterGroup
 from wsgen.launching.record import RECORD, caller, split_location
 from wsgen.model.plan import Process
 from wsgen.text.files import refuse_irregular
-from wsgen.text.yamlfile import merge_repeated
+from wsgen.text.yamlfile import (
+    flat_parameters,
+    merge_repeated,
+    parameter_sections,
+    parameters_of,
+)
 
 if TYPE_CHECKING:
     from launch.base import Condition, SomeSubstitutionsType
@@ -555,14 +560,9 @@ def read(
 
 def _meant(content: Any, node: str, *, in_container: bool) -> dict[str, Any]:
     """The parameters of the node in the content of a file."""
-    found: dict[str, Any] = {}
-    sections = list(_sections(content, ""))
-    for name, values in sections:
-        if _is_meant(name, node):
-            found.update(_flatten(values, ""))
-    if in_container and not sections and isinstance(content, dict):
-        return _flatten(content, "")
-    return found
+    if in_container and isinstance(content, dict) and not any(parameter_sections(content)):
+        return flat_parameters(content)
+    return parameters_of(content, node)
 
 
 def _with_one_kind(value: Any) -> Any:
@@ -606,39 +606,3 @@ def _parse(text: str, *, is_read_by_node: bool) -> Any:
             return node
 
     return yaml.load(text, Loader=Loader)  # noqa: S506  it is safe
-
-
-def _sections(content: Any, name: str) -> Iterator[tuple[str, dict[Any, Any]]]:
-    """Full names of nodes, or patterns of them, with parameters; sections may be nested."""
-    for key, section in content.items() if isinstance(content, dict) else ():
-        if key == "ros__parameters":
-            if isinstance(section, dict):
-                yield name, section
-        else:
-            yield from _sections(section, f"{name}/{str(key).strip('/')}".rstrip("/"))
-
-
-def _is_meant(pattern: str, node: str) -> bool:
-    """Whether a section is for the node; `*` stands for one part of a name, `**` for several."""
-    if "*" not in pattern:
-        return pattern == node
-    parts = {"**": r"(/[^/]+)*", "*": r"/[^/]+"}
-    names = pattern.strip("/").split("/")
-    return bool(re.fullmatch("".join(parts.get(n, "/" + re.escape(n)) for n in names), node))
-
-
-def _flatten(values: dict[Any, Any], prefix: str) -> dict[str, Any]:
-    flat: dict[str, Any] = {}
-    for name, value in values.items():
-        if isinstance(value, dict):
-            flat.update(_flatten(value, f"{prefix}{name}."))
-        else:
-            flat[f"{prefix}{name}"] = _plain(value)
-    return flat
-
-
-def _plain(value: Any) -> Any:
-    """The value as the node sees it: what is a date to Python is a text to it."""
-    if isinstance(value, list):
-        return [_plain(item) for item in value]
-    return value if isinstance(value, (str, int, float, bool, type(None))) else str(value)

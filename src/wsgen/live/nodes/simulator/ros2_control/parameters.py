@@ -3,99 +3,52 @@
 from __future__ import annotations
 
 import math
-import re
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from wsgen.text import yamlfile
-from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
 T = TypeVar("T")
-_SECTION = "ros__parameters"
-_DEEPEST = 20  # namespaces above a section
-
-
-@dataclass(frozen=True)
-class Section:
-    """The parameters under one `ros__parameters`."""
-
-    pattern: str  # the name of the nodes that get them, with a slash before it
-    values: Mapping[str, Any]  # by full name: `gains.joint_1.p`
 
 
 class ParameterFiles:
     """What several files say of the parameters of nodes; a later place overrides earlier ones."""
 
-    def __init__(self, sections: Iterable[Section] = (), errors: Iterable[str] = ()) -> None:
-        self.sections = tuple(sections)
+    def __init__(self, contents: Iterable[Any] = (), errors: Iterable[str] = ()) -> None:
+        self.contents = tuple(contents)  # plain values
         self.errors = tuple(errors)  # what could not be read, for the user
 
     @classmethod
     def read(cls, files: Iterable[str]) -> ParameterFiles:
         """Read files; what is wrong with one of them is kept in `errors`."""
-        sections: list[Section] = []
+        contents: list[Any] = []
         errors: list[str] = []
         for file in files:
             content = yamlfile.load_parameters(Path(file))
             if isinstance(content, yamlfile.Value):
-                sections += sections_of(content)
+                contents.append(content.plain)
             elif isinstance(content, yamlfile.NotYaml):
                 errors.append(f"{file}:{content.line}: {content.message}. Correct the YAML.")
             elif not Path(file).is_file():
                 errors.append(f"The file of parameters `{file}` does not exist. Correct its path.")
             else:
                 errors.append(f"The file of parameters `{file}` is empty or cannot be read.")
-        return cls(sections, errors)
+        return cls(contents, errors)
 
     def __add__(self, other: ParameterFiles) -> ParameterFiles:
         """Both; what the second says overrides."""
-        return ParameterFiles(self.sections + other.sections, self.errors + other.errors)
+        return ParameterFiles(self.contents + other.contents, self.errors + other.errors)
 
     def of_node(self, full_name: str) -> dict[str, Any]:
         """The parameters of a node, whose name is given with its namespace: `/robot/manager`."""
         found: dict[str, Any] = {}
-        for section in self.sections:
-            if is_match(section.pattern, full_name):
-                found.update(section.values)
+        for content in self.contents:
+            found.update(yamlfile.parameters_of(content, full_name))
         return found
-
-
-def sections_of(content: yamlfile.Value) -> Iterator[Section]:
-    """The sections of a file, in their order."""
-    yield from _sections(content, "")
-
-
-def _sections(value: yamlfile.Value, name: str) -> Iterator[Section]:
-    for key, inner in value.items():
-        if key == _SECTION:
-            yield Section(name, dict(_flat(inner, "")))
-        elif name.count("/") < _DEEPEST:
-            yield from _sections(inner, f"{name}/{key.strip('/')}")
-
-
-def _flat(value: yamlfile.Value, prefix: str) -> Iterator[tuple[str, Any]]:
-    for key, inner in value.items():
-        if isinstance(inner.content, dict):
-            yield from _flat(inner, f"{prefix}{key}.")
-        elif isinstance(inner.content, list):
-            yield prefix + key, [element.content for element in inner.elements()]
-        else:
-            yield prefix + key, inner.content
-
-
-def is_match(pattern: str, full_name: str) -> bool:
-    """Whether a node gets the parameters of a section.
-
-    `*` stands for one name and `**` for any number of them, as in rclcpp's
-    `parameter_map_from` (rclcpp/src/rclcpp/parameter_map.cpp).
-    """
-    words = {"*": r"(/\w+)", "**": r"(/\w+)*"}
-    parts = (words.get(word, re.escape(f"/{word}")) for word in pattern.strip("/").split("/"))
-    return re.fullmatch("".join(parts), full_name) is not None
 
 
 class Parameters:
