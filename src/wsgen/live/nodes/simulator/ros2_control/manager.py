@@ -87,12 +87,13 @@ class ControllerManager:
         full_name = f"{namespace.rstrip('/')}/{name}"
         self._parameters = Parameters(self._files.of_node(full_name))
         self.node = ros.node(name, namespace, self._arguments, parameters=self._parameters.values)
+        self._log = self.node.get_logger()
         self.node.add_on_set_parameters_callback(self._set_parameters)
         for error in self._files.errors:
-            self._error(error)
+            self._log.error(error)
         rate = self._parameters.number("update_rate", 100.0)
         if rate <= 0:
-            self._error("The parameter `update_rate` is not above 0: 100 is used.")
+            self._log.error("The parameter `update_rate` is not above 0: 100 is used.")
             rate = 100.0
         self.rate = rate
         self._components: tuple[Component, ...] = ()
@@ -160,7 +161,7 @@ class ControllerManager:
     def load(self, name: str) -> bool:
         """Load a controller by its name; its type is a parameter."""
         if name in self._loaded:
-            self._error(
+            self._log.error(
                 f"A controller named '{name}' was already loaded inside the controller manager"
             )
             return False
@@ -171,17 +172,19 @@ class ControllerManager:
                 for key in self._parameters.values
                 if key.endswith(".type")
             )
-            self._error(f"The 'type' param was not defined for '{name}'.{_question(name, known)}")
+            self._log.error(
+                f"The 'type' param was not defined for '{name}'.{_question(name, known)}"
+            )
             return False
-        self._info(f"Loading controller : '{name}' of type '{kind}'")
+        self._log.info(f"Loading controller : '{name}' of type '{kind}'")
         made = controller_class(kind)
         if made is None:
-            self._error(
+            self._log.error(
                 f"Loader for controller '{name}' (type '{kind}') not found."
                 f"{_question(kind, TYPES)} wsgen has these types:"
             )
             for available in TYPES:
-                self._info(f"  {available}")
+                self._log.info(f"  {available}")
             return False
         files = self._files + ParameterFiles.read(self._own_files(name))
         full_name = f"{self._namespace.rstrip('/')}/{name}"
@@ -191,7 +194,7 @@ class ControllerManager:
         try:
             node = self._ros.node(name, self._namespace, arguments, parameters=parameters.values)
         except BadNameError as problem:
-            self._error(f"The controller '{name}' cannot have a node: {problem}")
+            self._log.error(f"The controller '{name}' cannot have a node: {problem}")
             return False
         controller = made(
             Surroundings(
@@ -224,16 +227,16 @@ class ControllerManager:
 
     def configure(self, name: str) -> bool:
         """Configure a controller that is loaded."""
-        self._info(f"Configuring controller: '{name}'")
+        self._log.info(f"Configuring controller: '{name}'")
         one = self._loaded.get(name)
         if one is None:
-            self._error(
+            self._log.error(
                 f"Could not configure controller with name '{name}' because no controller with "
                 "this name exists"
             )
             return False
         if one.state == ACTIVE:
-            self._error(f"Controller '{name}' can not be configured from 'active' state.")
+            self._log.error(f"Controller '{name}' can not be configured from 'active' state.")
             return False
         one.controller.cleanup()
         one.state = UNCONFIGURED
@@ -258,7 +261,7 @@ class ControllerManager:
         """Take the configuration of an inactive controller."""
         one = self._loaded.get(name)
         if one is None or one.state == ACTIVE:
-            self._error(
+            self._log.error(
                 f"Controller '{name}' can not be cleaned-up from '"
                 f"{'unknown' if one is None else one.state}' state."
             )
@@ -271,13 +274,13 @@ class ControllerManager:
         """Forget a controller that is not active."""
         one = self._loaded.get(name)
         if one is None:
-            self._error(
+            self._log.error(
                 f"Could not unload controller with name '{name}' because no controller with this "
                 "name exists"
             )
             return False
         if one.state == ACTIVE:
-            self._error(
+            self._log.error(
                 f"Could not unload controller with name '{name}' because it is still active"
             )
             return False
@@ -295,9 +298,9 @@ class ControllerManager:
         plan = plan_switch(loaded, available, activate, deactivate, strictness)
         for problem in plan.problems:
             if plan.is_refused:
-                self._error(problem)
+                self._log.error(problem)
             else:
-                self._warn(problem)
+                self._log.warning(problem)
         if plan.is_refused:
             return plan
         before = dict(self.interfaces.claims)
@@ -310,12 +313,12 @@ class ControllerManager:
         )
         if failed:
             return plan._replace(problems=(*plan.problems, *failed), is_refused=True)
-        self._info("Successfully switched controllers!")
+        self._log.info("Successfully switched controllers!")
         return plan
 
     def _deactivate(self, names: Sequence[str]) -> None:
         if names:
-            self._info(f"Deactivating controllers: [ {' '.join(names)} ]")
+            self._log.info(f"Deactivating controllers: [ {' '.join(names)} ]")
         for name in names:
             one = self._loaded[name]
             one.controller.is_active = False
@@ -325,7 +328,7 @@ class ControllerManager:
 
     def _activate(self, names: Sequence[str]) -> list[str]:
         if names:
-            self._info(f"Activating controllers: [ {' '.join(names)} ]")
+            self._log.info(f"Activating controllers: [ {' '.join(names)} ]")
         failed = []
         now = self._clock()
         for name in names:
@@ -341,17 +344,8 @@ class ControllerManager:
             one.state = ACTIVE
             one.next, one.last = now, now - one.controller.period
         for text in failed:
-            self._error(text)
+            self._log.error(text)
         return failed
-
-    def _info(self, text: str) -> None:
-        self.node.get_logger().info(text)
-
-    def _warn(self, text: str) -> None:
-        self.node.get_logger().warning(text)
-
-    def _error(self, text: str) -> None:
-        self.node.get_logger().error(text)
 
     def _set_parameters(self, changed: Sequence[Any]) -> Any:
         return _take(self._parameters, changed)
@@ -437,7 +431,7 @@ class ControllerManager:
         response.state = _lifecycle_state(is_active=there)
         response.ok = there and request.target_state.label in {"", ACTIVE}
         if not response.ok:
-            self._error(
+            self._log.error(
                 f"The hardware component `{request.name}` stays "
                 f"{'active' if there else 'unknown'}: in wsgen the simulator is always active."
             )

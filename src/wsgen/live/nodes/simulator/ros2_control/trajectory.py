@@ -8,9 +8,11 @@ without positions means, when tolerances count.
 from __future__ import annotations
 
 import math
-from dataclasses import field
+from bisect import bisect_right
+from copy import deepcopy
+from dataclasses import field, replace
 from enum import Enum
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.text.values import dataclass
 
@@ -30,16 +32,6 @@ class Point:
     accelerations: list[float] = field(default_factory=list)  # rad/s² or m/s²
     effort: list[float] = field(default_factory=list)  # N m or N
     seconds: float = 0.0  # from the start of the trajectory
-
-    def copy(self) -> Point:
-        """The same, to change it."""
-        return Point(
-            list(self.positions),
-            list(self.velocities),
-            list(self.accelerations),
-            list(self.effort),
-            self.seconds,
-        )
 
 
 FIELDS = ("positions", "velocities", "accelerations", "effort")
@@ -99,7 +91,7 @@ class Trajectory:
         wraps: Sequence[bool] = (),
         interpolates: bool = True,
     ) -> None:
-        self.points = [point.copy() for point in points]
+        self.points = deepcopy(list(points))
         self.start = start  # s, of the clock; None: when it is begun
         self._wraps = wraps
         self._interpolates = interpolates
@@ -122,7 +114,7 @@ class Trajectory:
 
     def begin(self, time: float, point: Point) -> None:
         """Go on from a point, where the joints are at a time (s of the clock)."""
-        before = point.copy()
+        before = deepcopy(point)
         first = self.points[0]
         for name in ("velocities", "accelerations"):
             if not getattr(before, name) and getattr(first, name):
@@ -162,22 +154,11 @@ class Trajectory:
                 return Sample(before, 0)
             return Sample(self._between(-1, time), 0)
         if since < points[-1].seconds:
-            index = self._index_at(since)
+            index = bisect_right(points, since, key=lambda point: point.seconds) - 1
             if not self._interpolates:
                 return Sample(points[index + 1], index + 1)
             return Sample(self._between(index, time), index + 1)
         return Sample(_complete(points[-1]), len(points))
-
-    def _index_at(self, since: float) -> int:
-        """The point before a time; the times of points increase."""
-        low, high = 0, len(self.points) - 1
-        while high - low > 1:
-            middle = (low + high) // 2
-            if self.points[middle].seconds <= since:
-                low = middle
-            else:
-                high = middle
-        return low
 
     def _between(self, index: int, time: float) -> Point:
         """Between a point and the next one; -1 is where the joints were before."""
@@ -222,13 +203,8 @@ class Trajectory:
 def _complete(point: Point) -> Point:
     """The last point, at which joints stay: what it does not say is 0."""
     zeros = [0.0] * len(point.positions)
-    return Point(
-        point.positions,
-        point.velocities or zeros,
-        point.accelerations or zeros,
-        point.effort or zeros,
-        point.seconds,
-    )
+    missing: dict[str, Any] = {name: zeros for name in FIELDS[1:] if not getattr(point, name)}
+    return replace(point, **missing)
 
 
 def _deduce(first: Point, second: Point, joints: int, length: float) -> None:
@@ -383,7 +359,7 @@ class Accepted:
         rest = [now[name] for name in self.joints]
         zeros = [0.0] * len(self.joints)
 
-        def sorted_values(values: list[float], missing: list[float]) -> list[float]:
+        def in_order(values: list[float], missing: list[float]) -> list[float]:
             if not values:
                 return []
             return [
@@ -391,16 +367,14 @@ class Accepted:
                 for index, place in enumerate(places)
             ]
 
-        return tuple(
-            Point(
-                sorted_values(point.positions, rest),
-                sorted_values(point.velocities, zeros),
-                sorted_values(point.accelerations, zeros),
-                sorted_values(point.effort, zeros),
-                point.seconds,
-            )
-            for point in message.points
-        )
+        def sorted_point(point: Point) -> Point:
+            values: dict[str, Any] = {
+                name: in_order(getattr(point, name), rest if name == FIELDS[0] else zeros)
+                for name in FIELDS
+            }
+            return replace(point, **values)
+
+        return tuple(map(sorted_point, message.points))
 
 
 class Outcome(Enum):

@@ -242,8 +242,7 @@ class Camera(Sensor):
         return noise.clip(0, 255).astype(np.uint8)
 
     def _image(self, eye: Eye, pixels: NDArray[Any], encoding: str) -> Any:
-        message = Image()
-        self._stamp(message, eye)
+        message = self.stamped(Image, eye.frame)
         message.height, message.width = pixels.shape[:2]
         message.encoding = encoding
         message.is_bigendian = 0
@@ -253,8 +252,7 @@ class Camera(Sensor):
         return message
 
     def _cloud(self, eye: Eye, depth: NDArray[np.float32], rgb: NDArray[np.uint8] | None) -> Any:
-        message = PointCloud2()
-        self._stamp(message, eye)
+        message = self.stamped(PointCloud2, eye.frame)
         is_dense = bool(np.isfinite(depth).all())
         focal = eye.spec.lens.focal
         colors = gray_of(depth) if rgb is None else rgb
@@ -266,8 +264,7 @@ class Camera(Sensor):
         return message
 
     def _info(self, eye: Eye) -> Any:
-        message = CameraInfo()
-        self._stamp(message, eye)
+        message = self.stamped(CameraInfo, eye.frame)
         message.width, message.height = eye.spec.lens.width, eye.spec.lens.height
         message.distortion_model = "plumb_bob"
         message.d = list(eye.spec.distortion)
@@ -275,10 +272,6 @@ class Camera(Sensor):
         message.r = list(eye.intrinsics.rectification)
         message.p = eye.intrinsics.p
         return message
-
-    def _stamp(self, message: Any, eye: Eye) -> None:
-        message.header.stamp = self.host.stamp()
-        message.header.frame_id = eye.frame
 
 
 def _folder(topic: str) -> str:

@@ -34,6 +34,7 @@ from wsgen.live.nodes.simulator.host import CannotWorkError
 from wsgen.live.nodes.simulator.sensors.mounting import (
     NEVER,
     Noise,
+    OfGazeboSim,
     Sensor,
     put,
     rotation,
@@ -225,17 +226,14 @@ class JointLoad(Sensor):
         return measured[:3], measured[3:]
 
 
-class ForceTorque(JointLoad):
+class ForceTorque(OfGazeboSim, JointLoad):
     """The sensor with its topic."""
+
+    message = WrenchStamped
 
     def __init__(self, host: Host, robot: RobotHandle, sensor: MountedSensor) -> None:
         super().__init__(host, robot, sensor)
-        self._publisher: Any = None
-        if host.simulator == "classic":
-            list(self.classic_plugins(()))
-            self.period = NEVER
-        else:
-            self._publisher = host.publisher(robot, WrenchStamped, self.topic("/forcetorque"))
+        self.open("/forcetorque")
 
     def scoped_name(self, delimiter: str) -> str:
         """World, models, joint and sensor, each with its kind before it."""
@@ -254,14 +252,8 @@ class ForceTorque(JointLoad):
         default = f"{self.robot.entity}::{self.sensor.link}::{self.sensor.name}"
         return own if written == default.replace("::", "/") else written
 
-    def update(self) -> None:
-        """Publish what the joint carries, if somebody wants it."""
-        if self._publisher is None or not self._publisher.is_wanted:
-            return
-        message = WrenchStamped()
-        message.header.stamp = self.host.stamp()
-        message.header.frame_id = self.gz_frame
+    def fill(self, message: Any) -> None:
+        """As in the base."""
         force, torque = self.measure()
         put(message.wrench.force, force)
         put(message.wrench.torque, torque)
-        self._publisher.publish(message)

@@ -170,9 +170,7 @@ class Lidar(Sensor):
         begun = time.thread_time()
         ranges, intensities = self.scanner.scan(self.pose(), self._cast_rays, self._reflect)
         for output in wanted:
-            message = output.kind()
-            message.header.stamp = self.host.stamp()
-            message.header.frame_id = output.frame
+            message = self.stamped(output.kind, output.frame)
             bright = np.maximum(intensities, output.least_intensity)
             if output.kind is LaserScan:
                 self._fill_scan(message, ranges, bright)

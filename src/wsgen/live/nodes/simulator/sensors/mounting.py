@@ -83,6 +83,13 @@ class Sensor(Plugin):
         linear = (u + b * z - c * y, v + c * x - a * z, w + a * y - b * x)
         return np.array(linear), np.array(angular)
 
+    def stamped(self, kind: Any, frame: str) -> Any:
+        """A message of now, which is seen from a frame."""
+        message = kind()
+        message.header.stamp = self.host.stamp()
+        message.header.frame_id = frame
+        return message
+
     def keep_pace(self, seconds: float, advice: str) -> None:
         """Measure as often as the time allows, where a measurement has taken so long (s, of CPU).
 
@@ -169,6 +176,33 @@ class Sensor(Plugin):
         if element is None:
             raise CannotWorkError(f"it has no <{names[0]}>. Describe the sensor in it.")
         return element
+
+
+class OfGazeboSim(Sensor):
+    """A sensor of Gazebo Sim alone: ROS 2 has no plugin of Gazebo Classic for it."""
+
+    message: Any = None  # its type
+
+    def open(self, topic: str) -> None:
+        """Publish on <topic>, else on that of Gazebo, below `/world/…/sensor/NAME`."""
+        self._publisher: Any = None
+        if self.host.simulator == "classic":
+            list(self.classic_plugins(()))
+            self.period = NEVER
+        else:
+            self._publisher = self.host.publisher(self.robot, self.message, self.topic(topic))
+
+    def fill(self, message: Any) -> None:
+        """Put in what is measured."""
+        raise NotImplementedError
+
+    def update(self) -> None:
+        """Publish what is measured, if somebody wants it."""
+        if self._publisher is None or not self._publisher.is_wanted:
+            return
+        message = self.stamped(self.message, self.gz_frame)
+        self.fill(message)
+        self._publisher.publish(message)
 
 
 def sensor_qos(plugin: Element | None = None, topic: str = "", depth: int = 5) -> Any:

@@ -33,6 +33,7 @@ from wsgen.live.nodes.simulator.sensors.motion import (
 from wsgen.live.nodes.simulator.sensors.mounting import (
     NEVER,
     Noise,
+    OfGazeboSim,
     Sensor,
     put,
     rotation,
@@ -101,9 +102,7 @@ class Imu(Sensor):
             return
         measured = self.unit.measure(self.pose(), *self.velocity(), self.host.now)
         for publisher, frame in self.outputs:
-            message = ImuMessage()
-            message.header.stamp = self.host.stamp()
-            message.header.frame_id = frame
+            message = self.stamped(ImuMessage, frame)
             quaternion = message.orientation
             if self._has_orientation:
                 rows: Matrix = tuple(map(tuple, measured.orientation.tolist()))  # type: ignore[assignment]
@@ -173,9 +172,7 @@ class NavSat(Sensor):
                 velocity.publish(self._velocity(frame))
 
     def _fix(self, frame: str) -> Any:
-        message = NavSatFix()
-        message.header.stamp = self.host.stamp()
-        message.header.frame_id = frame
+        message = self.stamped(NavSatFix, frame)
         across = self._noises["position_sensing", "horizontal"]
         up = self._noises["position_sensing", "vertical"]
         is_classic = self.host.simulator == "classic"
@@ -196,9 +193,7 @@ class NavSat(Sensor):
         return message
 
     def _velocity(self, frame: str) -> Any:
-        message = Vector3Stamped()
-        message.header.stamp = self.host.stamp()
-        message.header.frame_id = frame
+        message = self.stamped(Vector3Stamped, frame)
         x, y, z = self.velocity()[0].tolist()
         east, north, up = self.origin.east_north_up((x, y, z)).tolist()
         across = self._noises["velocity_sensing", "horizontal"]
@@ -206,35 +201,6 @@ class NavSat(Sensor):
         up = float(self._noises["velocity_sensing", "vertical"].apply(np.array(up)))
         put(message.vector, (east, north, up))
         return message
-
-
-class OfGazeboSim(Sensor):
-    """A sensor of Gazebo Sim alone: ROS 2 has no plugin of Gazebo Classic for it."""
-
-    message: Any = None  # its type
-
-    def open(self, topic: str) -> None:
-        """Publish on <topic>, else on that of Gazebo, below `/world/…/sensor/NAME`."""
-        self._publisher: Any = None
-        if self.host.simulator == "classic":
-            list(self.classic_plugins(()))
-            self.period = NEVER
-        else:
-            self._publisher = self.host.publisher(self.robot, self.message, self.topic(topic))
-
-    def fill(self, message: Any) -> None:
-        """Put in what is measured."""
-        raise NotImplementedError
-
-    def update(self) -> None:
-        """Publish what is measured, if somebody wants it."""
-        if self._publisher is None or not self._publisher.is_wanted:
-            return
-        message = self.message()
-        message.header.stamp = self.host.stamp()
-        message.header.frame_id = self.gz_frame
-        self.fill(message)
-        self._publisher.publish(message)
 
 
 class Altimeter(OfGazeboSim):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -21,37 +21,16 @@ class ControllerError(Exception):
     """A controller cannot be configured or activated; says why."""
 
 
-class Surroundings:
-    """What a controller sees.
+class Surroundings(NamedTuple):
+    """What a controller sees."""
 
-    Attributes:
-        node: Its node of ROS.
-        ros: Takes its messages.
-        parameters: Those of its node.
-        interfaces: What it reads and commands.
-        joints: Those of the robot, by name.
-        clock: Gives the simulated time, s.
-        is_former: Whether it is one of ROS 2 Humble or Iron, which differ in some topics.
-    """
-
-    def __init__(  # noqa: PLR0913  what there is
-        self,
-        node: Any,
-        ros: Ros,
-        parameters: Parameters,
-        interfaces: Interfaces,
-        joints: Iterable[Joint],
-        *,
-        clock: Callable[[], float],
-        is_former: bool,
-    ) -> None:
-        self.node = node
-        self.ros = ros
-        self.parameters = parameters
-        self.interfaces = interfaces
-        self.joints = {joint.name: joint for joint in joints}
-        self.clock = clock
-        self.is_former = is_former
+    node: Any  # its node of ROS
+    ros: Ros  # takes its messages
+    parameters: Parameters  # those of its node
+    interfaces: Interfaces  # what it reads and commands
+    joints: Iterable[Joint]  # of the robot
+    clock: Callable[[], float]  # gives the simulated time, s
+    is_former: bool  # whether it is of ROS 2 Humble or Iron, which differ in some topics
 
 
 class Controller:
@@ -69,7 +48,7 @@ class Controller:
         self.ros = surroundings.ros
         self.parameters = surroundings.parameters
         self.interfaces = surroundings.interfaces
-        self.joints = surroundings.joints
+        self.joints = {joint.name: joint for joint in surroundings.joints}
         self.clock = surroundings.clock
         self.is_former = surroundings.is_former
         self.name: str = self.node.get_name()
