@@ -20,8 +20,10 @@ from wsgen.live.nodes.simulator.messages import can_follow_twist
 from wsgen.live.nodes.simulator.plugins.drives import (
     ClassicOdometry,
     DrivePublisher,
+    GzDrive,
     driven_joints,
     length,
+    limited_motors,
     limits,
 )
 from wsgen.live.nodes.simulator.plugins.joint_commands import (
@@ -33,7 +35,6 @@ from wsgen.live.nodes.simulator.plugins.joint_commands import (
 from wsgen.live.nodes.simulator.timing import Timer, until_next
 from wsgen.model.robot import Cylinder, Sphere
 from wsgen.model.transform import compose
-from wsgen.simulation.controllers import limited_motor
 
 if TYPE_CHECKING:
     from wsgen.live.nodes.simulator.host import Host, RobotHandle
@@ -136,11 +137,10 @@ def _arctangent(way: float, aside: float) -> float:
     return math.atan(way / aside) if aside else math.atan2(way, 0.0)
 
 
-class GzAckermann(Plugin):
+class GzAckermann(GzDrive):
     """`gz-sim-ackermann-steering-system`."""
 
     def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
-        self._host, self._robot = host, robot
         element, actuator = actuator_number(host, robot, element)
         self._steers_only = actuator is not None or boolean(element, "steering_only")
         tags = ("left_steering_joint", "right_steering_joint")
@@ -156,15 +156,14 @@ class GzAckermann(Plugin):
             limit=_steering_limit(element),
         )
         self._gain = number(element, "steer_p_gain")
-        self._limits = limits(element)
+        # Where it is steered alone, the second one is an angle, rad.
+        bounds = (limits(element),) * 2
         is_slow = self._gain * host.update_seconds <= SLOW_STEERING
-        self._control = Timer(host.update_seconds if is_slow else host.step_seconds, host.now)
-        self._publisher: DrivePublisher | None = None
+        super().__init__(host, robot, bounds, None if is_slow else host.step_seconds)
         self._odometry = CarOdometry(self._car.wheel_base, self._car.radius, host.step_seconds)
         self._listen(element, actuator)
         if not self._steers_only:
             self._publisher = DrivePublisher(host, robot, element)
-        self._begin()
 
     def _listen(self, element: Element, actuator: int | None) -> None:
         host, robot = self._host, self._robot
@@ -177,72 +176,37 @@ class GzAckermann(Plugin):
         else:
             host.subscription(robot, Twist, self._topic, self._take)
 
-    def _begin(self) -> None:
-        self._wanted = (0.0, 0.0)  # m/s; rad/s, or rad where it is steered alone
-        self._last = self._before = (0.0, 0.0)
-        self._updated = self._host.now
-
-    def _take(self, message: Any) -> None:
-        if can_follow_twist(self._host, message, self._topic):
-            self._wanted = message.linear.x, message.angular.z
-
     def _take_angle(self, angle: float) -> None:
         if math.isfinite(angle):
             self._wanted = 0.0, angle
         else:
             self._host.warn(f"A message on {self._topic} has the angle {angle}. It is ignored.")
 
-    def update(self) -> None:
-        """Steer and turn the wheels, and publish where the car is by them."""
-        now, publisher = self._host.now, self._publisher
-        if self._control.is_due(now):
-            self._drive()
-        timers = [self._control]
-        if publisher is not None:
-            positions = self._robot.joint_positions()
-            wheels, steering = (
-                sum(positions[side[0].name] for side in sides) / 2
-                for sides in (self._driven, self._steered)
-            )
-            odometry = self._odometry
-            odometry.update(wheels, steering, now)
-            if publisher.timer.is_due(now):
-                place = odometry.x, odometry.y, odometry.heading
-                publisher.publish(place, (odometry.linear, 0.0), odometry.angular)
-            timers.append(publisher.timer)
-        self.period = until_next(now, *timers)
-
-    def _drive(self) -> None:
-        seconds = self._host.now - self._updated or self._control.period
-        self._updated = self._host.now
-        linear, angular = (
-            self._limits.next(last, wanted, seconds, before)
-            for wanted, last, before in zip(self._wanted, self._last, self._before, strict=True)
-        )
+    def _motors(self, speeds: tuple[float, ...]) -> dict[str, Motor]:
+        linear, angular = speeds
         motors: dict[str, Motor] = {}
         if self._steers_only:
             angular = min(self._car.limit, max(-self._car.limit, angular))
+            self._last = linear, angular
             angles = self._car.steered(angular)
         else:
             steering = self._car.steering(linear, angular)
             angles = steering.left, steering.right
-            speeds = steering.left_speed, steering.right_speed
-            for side, speed in zip(self._driven, speeds, strict=True):
-                motors |= {joint.name: limited_motor(joint, speed) for joint in side}
-        self._before, self._last = self._last, (linear, angular)
+            motors = limited_motors(self._driven, (steering.left_speed, steering.right_speed))
         positions = self._robot.joint_positions()
-        for side, angle in zip(self._steered, angles, strict=True):
-            speed = self._gain * (angle - positions[side[0].name])
-            motors |= {joint.name: limited_motor(joint, speed) for joint in side}
-        self._robot.drive(motors)
+        turning = (
+            self._gain * (angle - positions[side[0].name])
+            for side, angle in zip(self._steered, angles, strict=True)
+        )
+        return motors | limited_motors(self._steered, turning)
 
-    def reset(self) -> None:
-        """Stand still at the origin of the odometry."""
-        self._begin()
-        self._odometry.reset()
-        self._control.reset(self._host.now)
-        if self._publisher is not None:
-            self._publisher.timer.reset(self._host.now)
+    def _count(self, now: float) -> None:
+        positions = self._robot.joint_positions()
+        wheels, steering = (
+            sum(positions[side[0].name] for side in sides) / 2
+            for sides in (self._driven, self._steered)
+        )
+        self._odometry.update(wheels, steering, now)
 
 
 def _steering_limit(element: Element) -> float:

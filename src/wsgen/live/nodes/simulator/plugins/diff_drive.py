@@ -21,18 +21,20 @@ from wsgen.live.nodes.simulator.messages import can_follow_twist, of_yaw
 from wsgen.live.nodes.simulator.plugins.drives import (
     ClassicOdometry,
     DrivePublisher,
+    GzDrive,
     driven_joints,
+    limited_motors,
     values_of,
 )
 from wsgen.live.nodes.simulator.plugins.wheels import SlipWatch, WheelOdometry
-from wsgen.live.nodes.simulator.timing import Timer, until_next
 from wsgen.model.target import CLASSIC, SIM
-from wsgen.simulation.controllers import limited_motor, ode_motor
+from wsgen.simulation.controllers import ode_motor
 
 if TYPE_CHECKING:
     from wsgen.live.nodes.simulator.host import Host, RobotHandle
     from wsgen.model.behavior import DiffDrive
     from wsgen.model.devices import Element
+    from wsgen.simulation.engine import Motor
 
 REACHED = 0.01  # m/s; Classic's plugin takes a speed that is so near for the wanted one
 WORLD = 1  # odometry_source of Classic's plugin: where the robot is, instead of its wheels
@@ -128,80 +130,50 @@ def _read(kind: str, robot: RobotHandle, element: Element) -> DiffDrive:
         raise CannotWorkError(f"{error.why.reason}. {error.why.hint}") from None
 
 
-class GzDiffDrive(Plugin):
+class GzDiffDrive(GzDrive):
     """`gz-sim-diff-drive-system`."""
 
+    _is_enabled = True
+
     def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
-        self._host, self._robot = host, robot
         drive = _read(SIM, robot, element)
-        self._left, self._right = driven_joints(host, robot, element, *TWO_WHEELS)
+        super().__init__(host, robot, (drive.linear, drive.angular))
+        self._sides = driven_joints(host, robot, element, *TWO_WHEELS)
         self._wheel_pair = pair = drive.pairs[0]
-        self._bounds = drive.linear, drive.angular
-        self._control = Timer(host.update_seconds, host.now)
-        self._wheels = WheelOdometry(pair.separation, pair.radius, pair.radius)
-        driven = tuple(joint.name for joint in (*self._left, *self._right))
+        self._odometry = WheelOdometry(pair.separation, pair.radius, pair.radius)
+        driven = tuple(joint.name for side in self._sides for joint in side)
         self._slip = SlipWatch(host, robot, pair, driven)
         topics = topics_of(host, robot, element)
         self._topic = topics["command"]
-        host.subscription(robot, Twist, self._topic, self._command)
+        host.subscription(robot, Twist, self._topic, self._take)
         host.subscription(robot, Bool, topics["enable"], self._enable)
         self._publisher = DrivePublisher(host, robot, element)
-        self._begin()
 
-    def _begin(self) -> None:
-        self._is_enabled = True
-        self._wanted = (0.0, 0.0)  # m/s, rad/s
-        self._last = self._before = (0.0, 0.0)
-        self._updated = self._host.now
-
-    def _command(self, message: Any) -> None:
-        if self._is_enabled and can_follow_twist(self._host, message, self._topic):
-            self._wanted = message.linear.x, message.angular.z
+    def _take(self, message: Any) -> None:
+        if self._is_enabled:
+            super()._take(message)
 
     def _enable(self, message: Any) -> None:
         self._is_enabled = message.data
         if not self._is_enabled:
             self._wanted = (0.0, 0.0)
 
-    def update(self) -> None:
-        """Turn the wheels, and publish where the robot is by them."""
-        now = self._host.now
-        if self._control.is_due(now):
-            self._drive()
-        positions = self._robot.joint_positions()
-        self._wheels.update(positions[self._left[0].name], positions[self._right[0].name], now)
-        if self._publisher.timer.is_due(now):
-            wheels = self._wheels
-            place = wheels.x, wheels.y, wheels.heading
-            self._publisher.publish(place, (wheels.linear, 0.0), wheels.angular)
-        self._slip.look()
-        self.period = until_next(now, self._control, self._publisher.timer)
-
-    def _drive(self) -> None:
-        seconds = self._host.now - self._updated or self._host.update_seconds
-        self._updated = self._host.now
-        linear, angular = (
-            bounds.next(last, wanted, seconds, before)
-            for bounds, wanted, last, before in zip(
-                self._bounds, self._wanted, self._last, self._before, strict=True
-            )
-        )
-        self._before, self._last = self._last, (linear, angular)
+    def _motors(self, speeds: tuple[float, ...]) -> dict[str, Motor]:
         pair = self._wheel_pair
-        self._robot.drive(
-            {
-                joint.name: limited_motor(joint, rim / pair.radius)
-                for side, rim in zip(
-                    (self._left, self._right), pair.speeds(linear, angular), strict=True
-                )
-                for joint in side
-            }
-        )
+        return limited_motors(self._sides, (rim / pair.radius for rim in pair.speeds(*speeds)))
+
+    def _count(self, now: float) -> None:
+        positions = self._robot.joint_positions()
+        left, right = (positions[side[0].name] for side in self._sides)
+        self._odometry.update(left, right, now)
+
+    def update(self) -> None:
+        """As in the base, and look whether the wheels slip."""
+        super().update()
+        self._slip.look()
 
     def reset(self) -> None:
         """Stand still at the origin of the odometry."""
-        self._begin()
-        self._wheels.reset()
+        super().reset()
+        self._is_enabled = True
         self._slip.reset()
-        for timer in (self._control, self._publisher.timer):
-            timer.reset(self._host.now)

@@ -16,8 +16,9 @@ from tf2_msgs.msg import TFMessage
 
 from wsgen.descriptions.urdf.diff_drive import UnusableError, read_bounds
 from wsgen.live.nodes.simulator.elements import boolean, number, text, topics_of
-from wsgen.live.nodes.simulator.host import CannotWorkError
+from wsgen.live.nodes.simulator.host import CannotWorkError, Plugin
 from wsgen.live.nodes.simulator.messages import (
+    can_follow_twist,
     in_heading,
     of_yaw,
     planar_covariance,
@@ -27,11 +28,12 @@ from wsgen.live.nodes.simulator.messages import (
     set_twist,
     yaw_of,
 )
-from wsgen.live.nodes.simulator.timing import Timer
+from wsgen.live.nodes.simulator.timing import Timer, until_next
 from wsgen.model.transform import compose, invert
+from wsgen.simulation.controllers import limited_motor
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from wsgen.live.nodes.simulator.host import Host, RobotHandle
     from wsgen.live.nodes.simulator.messages import Quaternion
@@ -39,6 +41,7 @@ if TYPE_CHECKING:
     from wsgen.model.devices import Element
     from wsgen.model.robot import Joint
     from wsgen.model.transform import Vector
+    from wsgen.simulation.engine import Motor
 
 
 class DrivePublisher:
@@ -79,6 +82,84 @@ class DrivePublisher:
             transform.header = message.header
             set_transform(transform.transform, xyz, xyzw)
             self._tf.publish(self._transforms)
+
+
+class GzDrive(Plugin):
+    """A drive of Gazebo Sim: follows commands within limits, says by its wheels where it is.
+
+    A command is the speed ahead, m/s, that to the left where there are three, and the turn, rad/s.
+    """
+
+    _topic: str  # of commands
+    _publisher: DrivePublisher | None = None  # None: it says nothing
+    _odometry: Any  # of the kind of drive: `x`, `y` and `heading`, and the speeds of the base
+
+    def __init__(
+        self, host: Host, robot: RobotHandle, bounds: Sequence[Bounds], period: float | None = None
+    ) -> None:
+        """Begin; `bounds` are those of each speed, `period` of the control, s."""
+        self._host, self._robot, self._bounds = host, robot, bounds
+        self._control = Timer(period or host.update_seconds, host.now)
+        self._begin()
+
+    def _begin(self) -> None:
+        self._wanted = self._last = self._before = (0.0,) * len(self._bounds)
+        self._updated = self._host.now
+
+    def _take(self, message: Any) -> None:
+        if can_follow_twist(self._host, message, self._topic):
+            linear, turn = message.linear, message.angular.z
+            has_left = len(self._bounds) > 2  # noqa: PLR2004  speeds
+            self._wanted = (linear.x, linear.y, turn) if has_left else (linear.x, turn)
+
+    def _motors(self, speeds: tuple[float, ...]) -> dict[str, Motor]:
+        """What the joints are to do for speeds of the base."""
+        raise NotImplementedError
+
+    def _count(self, now: float) -> None:
+        """Take into the odometry how far the wheels have turned."""
+        raise NotImplementedError
+
+    def _speeds(self) -> tuple[tuple[float, float], float]:
+        """The speed ahead and to the left, and the turn, by the odometry."""
+        return (self._odometry.linear, 0.0), self._odometry.angular
+
+    def update(self) -> None:
+        """Turn the wheels, and publish where the robot is by them."""
+        now, publisher, odometry = self._host.now, self._publisher, self._odometry
+        if self._control.is_due(now):
+            seconds = now - self._updated or self._control.period
+            self._updated = now
+            of_each = zip(self._bounds, self._last, self._wanted, self._before, strict=True)
+            speeds = tuple(
+                one.next(last, wanted, seconds, past) for one, last, wanted, past in of_each
+            )
+            self._before, self._last = self._last, speeds
+            self._robot.drive(self._motors(speeds))
+        timers = [self._control]
+        if publisher is not None:
+            self._count(now)
+            if publisher.timer.is_due(now):
+                publisher.publish((odometry.x, odometry.y, odometry.heading), *self._speeds())
+            timers.append(publisher.timer)
+        self.period = until_next(now, *timers)
+
+    def reset(self) -> None:
+        """Stand still at the origin of the odometry."""
+        self._begin()
+        self._odometry.reset()
+        self._control.reset(self._host.now)
+        if self._publisher is not None:
+            self._publisher.timer.reset(self._host.now)
+
+
+def limited_motors(sides: Iterable[Iterable[Joint]], speeds: Iterable[float]) -> dict[str, Motor]:
+    """A motor for each joint, by the speeds (rad/s or m/s) of the groups that they are in."""
+    return {
+        joint.name: limited_motor(joint, speed)
+        for side, speed in zip(sides, speeds, strict=True)
+        for joint in side
+    }
 
 
 def driven_joints(

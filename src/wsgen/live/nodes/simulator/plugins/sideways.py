@@ -21,20 +21,22 @@ from wsgen.live.nodes.simulator.messages import can_follow_twist, yaw_of
 from wsgen.live.nodes.simulator.plugins.drives import (
     ClassicOdometry,
     DrivePublisher,
+    GzDrive,
     driven_joints,
     length,
+    limited_motors,
     limits,
 )
 from wsgen.live.nodes.simulator.plugins.wheels import STRAIGHT
 from wsgen.live.nodes.simulator.timing import Timer, until_next
 from wsgen.model.transform import rotate, rotation_of_quaternion
-from wsgen.simulation.controllers import limited_motor
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from wsgen.live.nodes.simulator.host import Host, RobotHandle
     from wsgen.model.devices import Element
+    from wsgen.simulation.engine import Motor
 
 
 class PlanarMove(Plugin):
@@ -192,66 +194,29 @@ class MecanumOdometry:
         self.speeds = ahead, left, turn
 
 
-class GzMecanum(Plugin):
+class GzMecanum(GzDrive):
     """`gz-sim-mecanum-drive-system`."""
 
     def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
-        self._host, self._robot = host, robot
         self._joints = driven_joints(host, robot, element, *WHEELS)
         self._base = MecanumBase(
             separation=length(element, "wheel_separation"),
             wheel_base=length(element, "wheelbase"),
             radius=length(element, "wheel_radius"),
         )
-        self._limits = limits(element)
-        self._control = Timer(host.update_seconds, host.now)
+        super().__init__(host, robot, (limits(element),) * 3)
         self._odometry = MecanumOdometry(self._base)
         self._topic = topics_of(host, robot, element)["command"]
         host.subscription(robot, Twist, self._topic, self._take)
         self._publisher = DrivePublisher(host, robot, element)
-        self._begin()
 
-    def _begin(self) -> None:
-        self._wanted = (0.0, 0.0, 0.0)  # m/s, m/s, rad/s
-        self._last = self._before = (0.0, 0.0, 0.0)
-        self._updated = self._host.now
+    def _motors(self, speeds: tuple[float, ...]) -> dict[str, Motor]:
+        return limited_motors(self._joints, self._base.wheels(*speeds))
 
-    def _take(self, message: Any) -> None:
-        if can_follow_twist(self._host, message, self._topic):
-            self._wanted = message.linear.x, message.linear.y, message.angular.z
-
-    def update(self) -> None:
-        """Turn the wheels, and publish where the robot is by them."""
-        now, odometry, timer = self._host.now, self._odometry, self._publisher.timer
-        if self._control.is_due(now):
-            self._drive()
+    def _count(self, now: float) -> None:
         positions = self._robot.joint_positions()
-        odometry.update([positions[side[0].name] for side in self._joints], now)
-        if timer.is_due(now):
-            ahead, left, turn = odometry.speeds
-            self._publisher.publish((odometry.x, odometry.y, odometry.heading), (ahead, left), turn)
-        self.period = until_next(now, self._control, timer)
+        self._odometry.update([positions[side[0].name] for side in self._joints], now)
 
-    def _drive(self) -> None:
-        seconds = self._host.now - self._updated or self._host.update_seconds
-        self._updated = self._host.now
-        ahead, left, turn = (
-            self._limits.next(last, wanted, seconds, before)
-            for wanted, last, before in zip(self._wanted, self._last, self._before, strict=True)
-        )
-        self._before, self._last = self._last, (ahead, left, turn)
-        speeds = self._base.wheels(ahead, left, turn)
-        self._robot.drive(
-            {
-                joint.name: limited_motor(joint, speed)
-                for side, speed in zip(self._joints, speeds, strict=True)
-                for joint in side
-            }
-        )
-
-    def reset(self) -> None:
-        """Stand still at the origin of the odometry."""
-        self._begin()
-        self._odometry.reset()
-        for timer in (self._control, self._publisher.timer):
-            timer.reset(self._host.now)
+    def _speeds(self) -> tuple[tuple[float, float], float]:
+        ahead, left, turn = self._odometry.speeds
+        return (ahead, left), turn
