@@ -206,6 +206,17 @@ def test_a_spawner_that_nothing_starts_needs_no_bridge() -> None:
     assert not port.unported
 
 
+def test_lines_of_a_shell() -> None:
+    after, port = ported("""\
+        ExecuteProcess(cmd=['ros2 run controller_manager spawner.py arm'], shell=True)
+        ExecuteProcess(cmd=['gzserver --verbose a.world'], shell=True)
+        ExecuteProcess(cmd=['ros2 run gazebo_ros spawn_entity.py -topic a -entity b'], shell=True)
+        ExecuteProcess(cmd=['echo no gzserver'], shell=True)
+        """)
+    assert "'ros2 run controller_manager spawner arm'" in after
+    assert [one.line for one in port.unported] == [2, 3]
+
+
 def test_programs_of_fortress_are_renamed() -> None:
     after, _ = ported("""\
         Node(package='ros_ign_bridge', executable='parameter_bridge')

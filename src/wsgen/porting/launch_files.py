@@ -410,6 +410,7 @@ class _Port(PythonEdits):
                 continue
             texts = [self.said(one) for one in words.elts]
             part = PARTS.get(texts[0] or "")
+            self._lines(words.elts)
             if part is None:
                 self._run_of_spawner(words.elts, texts)
                 continue
@@ -514,6 +515,20 @@ class _Port(PythonEdits):
                 middle = written[len(keyword.arg or "") : end - start]
                 self.edits.append(Edit(start=start, end=end, text=new + middle))
 
+    def _lines(self, nodes: Sequence[ast.expr]) -> None:
+        """Rename programs in the lines that a shell gets, and list those of Gazebo Classic."""
+        for text in filter(None, map(self.text, nodes)):
+            words = text.text.split()
+            for (package, old), new in PROGRAMS_RENAMED.items():
+                if package in words and old in words:
+                    self.rename(text, (old, new))
+            if words[1:] and (words[0] in PARTS or OLD_PACKAGE in words):
+                self.leave(
+                    text.node,
+                    f"`{text.text.strip()}` starts what Gazebo Sim does not have.",
+                    f"Write `gz sim` with its options, or `ros2 run {PACKAGE} {SPAWNER}`.",
+                )
+
     def _run_of_spawner(self, words: Sequence[ast.expr], texts: Sequence[str | None]) -> None:
         """Port a `ros2 run gazebo_ros spawn_entity.py`."""
         if OLD_PACKAGE not in texts or OLD_SPAWNER not in texts:
@@ -605,13 +620,13 @@ class _Port(PythonEdits):
                     continue
             words = self.value(argument(call, None, "arguments", "cmd"))
             listed = words.elts if isinstance(words, (ast.List, ast.Tuple)) else ()
-            for name in map(self.said, listed):
-                stamper = stampers.get(name or "")
+            for name in " ".join(filter(None, map(self.said, listed))).split():
+                stamper = stampers.get(name)
                 if stamper is None:
                     continue
                 stamper = stamper._replace(source=renamed.get(stamper.source, stamper.source))
                 if BridgeWriter(self).stamp(call, stamper, sim_time):
-                    del stampers[name or ""]
+                    del stampers[name]
                     self.packages.add(STAMPER)
 
     def _remappings_of_the_manager(self) -> dict[str, str]:
