@@ -163,7 +163,8 @@ def test_sensors_and_plugins_are_kept(tmp_path: Path) -> None:
                     ),
                     (
                         '<plugin name="drive" filename="libdrive.so"><joint>arm_joint</joint>'
-                        "<a b='&lt;'>1 &lt; 2<!-- not this --></a></plugin>"
+                        "<a b='&lt;'>1 &lt; 2<!-- not this --></a><gz:b>3</gz:b>"
+                        "<i:c xmlns:i='http://ignitionrobotics.org/schema'/></plugin>"
                     ),
                 )
             ),
@@ -183,6 +184,8 @@ def test_sensors_and_plugins_are_kept(tmp_path: Path) -> None:
     a = plugin.find("a")
     assert a is not None
     assert (a.text, a.get("b")) == ("1 < 2", "<")
+    assert "<gz:b xmlns:gz=" in description.text
+    assert "<ignition:c xmlns:ignition=" in description.text
     assert robot.findtext("gazebo[@reference='arm']/selfCollide") == "true"
     assert robot.findtext("gazebo[@reference='arm']/kinematic") == "true"
     mount = robot.find("joint[@name='mount_fixed']/origin")
@@ -327,3 +330,6 @@ def test_files_that_are_not_there(tmp_path: Path) -> None:
         read_sdf_model(tmp_path)
     with pytest.raises(NotReadableError, match="No such file"):
         read_sdf_model(tmp_path / "model.sdf")
+    include = "<include><uri>model://nowhere</uri></include>"
+    with pytest.raises(NotFoundError, match=re.escape("model.sdf:3: The model `model://nowhere`")):
+        read_sdf_model(write(tmp_path, include))
