@@ -325,8 +325,8 @@ def test_actuators_and_their_limits(tmp_path: Path) -> None:
     assert efforts == ["100", "40", "7", "1000000"]
     for words, line in (
         ("motors (effort): `m`", 14),
-        ("position servos (kp 100, kv 5): `p`", 15),
-        ("velocity servos (kv 3)", 16),
+        ("position servos: `p` (kp 100 kv 5)", 15),
+        ("velocity servos: some (1 without a name) (kv 3)", 16),
         ("of another kind: `g`", 17),
         ("effort limit of 1,000,000 was written for `four`", 8),
     ):

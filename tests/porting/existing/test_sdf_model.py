@@ -134,7 +134,7 @@ def test_what_a_urdf_cannot_say_has_its_line(tmp_path: Path) -> None:
         for one in robot.findall("link")
     }
     assert masses["ball_joint_x_link"] == masses["cross_joint_cross"] == 0.01  # of 1 kg
-    (loose,) = [one for one in robot.findall("joint") if one.get("type") == "floating"]
+    (loose,) = [one for one in robot.findall("joint") if one.get("type") == "fixed"]
     assert loose.find("child").get("link") == "bolt"  # type: ignore[union-attr]
 
 

@@ -596,14 +596,17 @@ class _Reader:
 
     def _say_about_the_rest(self, trees: set[int]) -> None:
         model, spec = self.model, self.spec
-        kinds: dict[str, list[Any]] = {}
+        kinds: dict[str, list[tuple[Any, str]]] = {}
         for number in range(model.nu):
-            kinds.setdefault(self._kind_of_actuator(number), []).append(spec.actuators[number])
+            kind, gains = self._kind_of_actuator(number)
+            kinds.setdefault(kind, []).append((spec.actuators[number], gains))
         for kind, actuators in kinds.items():
+            gained = dict.fromkeys(gains for _, gains in actuators if gains)
             self._say_of_all(
-                actuators,
+                [actuator for actuator, _ in actuators],
                 "actuator",
-                f"URDF has no actuators; these are {kind}: @.",
+                f"URDF has no actuators; these are {kind}: @"
+                + (f" ({some_of(list(gained))})." if gained else "."),
                 "Choose a controller with --control that commands the same.",
             )
         used = {
@@ -660,18 +663,19 @@ class _Reader:
         ):
             self._say_of_all(list(elements), tag, what, advice)
 
-    def _kind_of_actuator(self, number: int) -> str:
+    def _kind_of_actuator(self, number: int) -> tuple[str, str]:
+        """What an actuator is, and its gains."""
         model = self.model
         gain, bias = model.actuator_gaintype[number], model.actuator_biastype[number]
         factor, terms = model.actuator_gainprm[number][0], model.actuator_biasprm[number]
         if gain == mujoco.mjtGain.mjGAIN_FIXED and bias == mujoco.mjtBias.mjBIAS_NONE:
-            return "motors (effort)"
+            return "motors (effort)", ""
         if gain == mujoco.mjtGain.mjGAIN_FIXED and bias == mujoco.mjtBias.mjBIAS_AFFINE:
             if terms[1] == -factor:
-                return f"position servos (kp {factor:g}, kv {abs(terms[2]):g})"
+                return "position servos", f"kp {factor:g} kv {abs(terms[2]):g}"
             if terms[1] == 0 and terms[2] == -factor:
-                return f"velocity servos (kv {factor:g})"
-        return "of another kind"
+                return "velocity servos", f"kv {factor:g}"
+        return "of another kind", ""
 
 
 def _is(value: Any, *kinds: Any) -> bool:

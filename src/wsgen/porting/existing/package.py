@@ -324,6 +324,7 @@ class _Making:
         own = f"$(find {self.spec.name})/{CONFIG}/"
         escaped = _EXPRESSION.sub("$$", written.replace(own, "\0")).replace("\0", own)
         name = self.source.file.name.removesuffix(".xml").removesuffix(".xacro")
+        name = name.removesuffix(".sdf")
         main = f"{FOLDER}/{usable(name.removesuffix('.urdf'))}.urdf"
         return KeptFiles(main, {main: escaped}, {})
 

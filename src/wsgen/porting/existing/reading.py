@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 import re
+from html import unescape
 from typing import TYPE_CHECKING
 
 from wsgen.checks.fixes.source import read_tags
 from wsgen.descriptions.urdf.reader import DECLARATION, TEXT_LIMIT
 from wsgen.descriptions.xacro.reader import expand_file
 from wsgen.diagnostics import Severity
-from wsgen.errors import NotReadableError, RequestError
+from wsgen.errors import NotReadableError
 from wsgen.packages.source_shares import serve_sources
 from wsgen.porting.existing.description import Description
 from wsgen.porting.existing.mjcf import read_mjcf
 from wsgen.porting.existing.resources import (
     find_files,
     find_references,
+    not_found,
     refuse_outside,
     usable,
 )
+from wsgen.porting.existing.sdf_model import read_sdf_model
 from wsgen.text.files import read_regular
 from wsgen.text.xmltree import Malformed, parse
 
@@ -33,6 +36,7 @@ if TYPE_CHECKING:
 KINDS = {"urdf": "a URDF", "xacro": "a xacro file", "sdf": "an SDF model", "mjcf": "an MJCF model"}
 _ENCODING = re.compile(rb"<\?xml[^>]*?encoding\s*=\s*[\"']([\w.-]+)")
 _NO_LINE_END = re.compile(r"[^\n]")
+_MESH = re.compile(r'<mesh filename="([^"]*)"')
 _PACKAGE = re.compile(r"(?:package|model)://([\w.-]+)/")
 
 
@@ -60,16 +64,18 @@ def read_robot(  # noqa: PLR0913  what is asked for, and where
         NotFoundError: A mesh does not exist.
         RequestError: A file is not of the source.
     """
-    if source.kind == "mjcf":
-        description = read_mjcf(source.file, folder=source.roots[0])
+    if source.kind in {"mjcf", "sdf"}:
+        if source.kind == "mjcf":
+            description = read_mjcf(source.file, folder=source.roots[0])
+        else:
+            description = read_sdf_model(source.file, environment=environment)
+        named = dict.fromkeys(map(unescape, _MESH.findall(description.text)))
+        missing = tuple(one for one in named if one not in description.meshes)
+        if missing and not skip_missing:
+            raise not_found(missing, source)
         if not copy_outside:
             refuse_outside(description.meshes, source)
-        return source, description, ()
-    if source.kind == "sdf":
-        raise RequestError(
-            f"{source.shown} is an SDF model: wsgen makes packages of URDF, xacro and MJCF.",
-            hint="Convert it to a URDF.",
-        )
+        return source, description, missing
     text = _named(_read(source, arguments, environment, scratch), source.file)
     for package in dict.fromkeys(_PACKAGE.findall(text)):
         source = source.with_package(package)

@@ -113,7 +113,7 @@ def find_files(
         elif one.is_mesh:
             missing[one.uri] = None
     if missing and not skip_missing:
-        raise _not_found([*missing], source)
+        raise not_found([*missing], source)
     if not copy_outside:
         refuse_outside(found, source)
     return found, tuple(missing)
@@ -138,7 +138,8 @@ def refuse_outside(files: Mapping[str, Path | bytes], source: Source) -> None:
         )
 
 
-def _not_found(missing: Sequence[str], source: Source) -> NotFoundError:
+def not_found(missing: Sequence[str], source: Source) -> NotFoundError:
+    """The error for files that do not exist."""
     located = locate(missing[0], source.share_of, source.file.parent)
     problem, hint = "does not exist", "Check its name."
     if isinstance(located, Missing):

@@ -188,7 +188,7 @@ class _Port:
             root=self.names[robot.root],
             links=tuple(replace(link, name=self.names[link.name]) for link in robot.links),
             joints=tuple(map(joint, robot.joints)),
-            loose=tuple(map(joint, robot.loose)),
+            loose=tuple(replace(joint(one), type=JointType.FIXED) for one in robot.loose),
         )
 
     def _with_efforts(self) -> tuple[Joint, ...]:
@@ -317,9 +317,8 @@ class _Port:
         for joint in self.robot.loose:
             yield self._said(
                 joint.line,
-                f"No joint holds the link `{joint.child}`: it hangs on a floating joint, which "
-                "Gazebo does not create.",
-                "Add a joint between it and the rest, or make a package of it alone.",
+                f"No joint holds the link `{joint.child}`. A URDF is one tree: a fixed joint does.",
+                "Write the joint that is meant, or make a package of it alone.",
             )
 
     def _notes_of_elements(self, elements: Sequence[xmltree.Element]) -> Iterator[Unported]:

@@ -12,6 +12,7 @@ import zipfile
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.descriptions.sdf.lookup import file_of_model, is_file
 from wsgen.errors import NotFoundError, NotReadableError, RequestError
 from wsgen.packages.workspace.overlay import overlay_of
 from wsgen.pipeline.file_validation import INCLUDE, kind_of, read
@@ -234,7 +235,16 @@ def _robots_of(folder: Path) -> list[tuple[Path, str]]:
             kind = _kind_of_robot(file, data)
             if kind is not None:
                 found.append((file, kind))
-    whole = [one for one in found if one[0].name not in included]
+    # The folder of a model may have files for several versions of SDF.
+    folders = {file.parent for file, kind in found if kind == "sdf"}
+    of_model = {
+        folder: file_of_model(folder) for folder in folders if is_file(folder / "model.config")
+    }
+    whole = [
+        (file, kind)
+        for file, kind in found
+        if file.name not in included and (kind != "sdf" or of_model.get(file.parent, file) == file)
+    ]
     for kinds in (("urdf", "xacro"), ("sdf",), ("mjcf",)):
         of_kind = [one for one in whole if one[1] in kinds]
         if of_kind:
