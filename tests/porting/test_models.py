@@ -1104,6 +1104,61 @@ def test_leaves_plugins_of_worlds_alone() -> None:
     assert (port.edits, port.unported) == ((), ())
 
 
+PAIRS = """
+<robot>
+  <gazebo>
+    <plugin name="drive" filename="libgazebo_ros_diff_drive.so">
+      <num_wheel_pairs>2</num_wheel_pairs>
+      <left_joint>front_left</left_joint>
+      <right_joint>front_right</right_joint>
+      <left_joint>rear_left</left_joint>
+      <right_joint>rear_right</right_joint>
+      <wheel_separation>0.5</wheel_separation>
+      <wheel_diameter>0.2</wheel_diameter>
+      <max_wheel_acceleration>2</max_wheel_acceleration>
+    </plugin>
+  </gazebo>
+</robot>
+"""
+PAIRS_AFTER = """
+<robot>
+  <gazebo>
+    <plugin name="gz::sim::systems::DiffDrive" filename="gz-sim-diff-drive-system">
+      <left_joint>front_left</left_joint>
+      <right_joint>front_right</right_joint>
+      <wheel_separation>0.5</wheel_separation>
+      <wheel_radius>0.1</wheel_radius>
+      <max_linear_acceleration>2</max_linear_acceleration>
+      <min_linear_acceleration>-2</min_linear_acceleration>
+      <max_angular_acceleration>8</max_angular_acceleration>
+      <min_angular_acceleration>-8</min_angular_acceleration>
+      <topic>/cmd_vel</topic>
+    </plugin>
+    <plugin filename="gz-sim-diff-drive-system" name="gz::sim::systems::DiffDrive">
+      <left_joint>rear_left</left_joint>
+      <right_joint>rear_right</right_joint>
+      <wheel_separation>0.34</wheel_separation>
+      <wheel_radius>0.075</wheel_radius>
+      <max_linear_acceleration>2</max_linear_acceleration>
+      <min_linear_acceleration>-2</min_linear_acceleration>
+      <max_angular_acceleration>11.76470588</max_angular_acceleration>
+      <min_angular_acceleration>-11.76470588</min_angular_acceleration>
+      <topic>/cmd_vel</topic>
+    </plugin>
+  </gazebo>
+</robot>
+"""
+
+
+def test_a_pair_of_wheels_with_other_sizes_has_a_plugin_of_its_own() -> None:
+    port = port_model(SourceText(FILE, PAIRS), JAZZY)
+    assert apply(PAIRS, port.edits) == PAIRS_AFTER
+    assert port.unported == ()
+    sizes = "<wheel_separation>0.50</wheel_separation>\n      <wheel_diameter>0.2</wheel_diameter>"
+    same = PAIRS.replace("    </plugin>", f"  {sizes}\n    </plugin>").replace(">0.5<", ">0.50<")
+    assert apply(same, port_model(SourceText(FILE, same), JAZZY).edits).count("<plugin") == 1
+
+
 SCRIPT = """
 material Wall/Brick // of the house
 {

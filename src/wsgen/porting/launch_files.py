@@ -202,7 +202,8 @@ class _Port(PythonEdits):
                 continue
             name = file.text.rpartition("/")[2]
             for one in texts:
-                if OLD_PACKAGE in one.text.split("/") or one is file:
+                # Some ask a shell for the folder: `ros2 pkg prefix gazebo_ros`.
+                if OLD_PACKAGE in re.split(r"[/\s]", one.text) or one is file:
                     renamed = [(name, LAUNCH_FILE), (OLD_PACKAGE, PACKAGE)]
                     older = _INSTALLED.search(one.text)
                     renamed += [(older[0], _INSTALLED_IN + self.context.distro)] if older else []

@@ -55,6 +55,7 @@ _REPEATED = ("left_joint", "right_joint", "joint_name", "wheel")
 # Of these another element says the same once more.
 _AS_THE_FIRST = ("xyz_offset", "rpy_offset", "xyz_offsets", "rpy_offsets")
 _ACCELERATION = "max_wheel_acceleration"
+_SIZES = ("wheel_separation", "wheel_diameter")
 _TORQUE, _SOURCE = "max_wheel_torque", "odometry_source"
 _LATER = (_ACCELERATION, _TORQUE, _SOURCE)
 _HOLDERS_OF_JOINTS = ("robot", "model", "xacro:macro")
@@ -145,7 +146,9 @@ def _convert(port: Porter, plugin: ClassicPlugin, made: Conversion) -> None:
         if new is not None and (new not in values or new in _REPEATED):
             values[new], texts[new] = _renamed(port, node, name, new), node.text
             continue
-        if new is not None and name not in _AS_THE_FIRST and node.text != texts[new]:
+        is_of_pair = plugin.own_stem == DIFF and name in _SIZES
+        is_said = is_of_pair or name in _AS_THE_FIRST
+        if new is not None and not is_said and node.text != texts[new]:
             lost.setdefault("Write a plugin for each pair of wheels.", []).append(node.name)
         elif name in made.lost and node.text != plugin.default(name):
             lost.setdefault(made.lost[name], []).append(node.name)
@@ -296,6 +299,55 @@ def _diff_drive(port: Porter, plugin: ClassicPlugin, values: dict[str, str]) -> 
     if not sources:
         _publish_world_odometry(port, plugin, rate)
     _publish_wheels(port, plugin, TWO_WHEELS)
+    if plugin.own_stem == DIFF:
+        _drive_other_pairs(port, plugin)
+
+
+def _drive_other_pairs(port: Porter, plugin: ClassicPlugin) -> None:
+    """Have a plugin of its own drive each pair of wheels that has not the sizes of the first one.
+
+    Gazebo Classic gives a pair for which there are none the default ones.
+    """
+    wheels = [plugin.all(tag) for tag in TWO_WHEELS]
+    acceleration = plugin.value(_ACCELERATION)
+    for index, pair in enumerate(zip(*wheels, strict=False)):
+        separation, diameter = (_size_of(plugin, name, index) for name in _SIZES)
+        if all(_size_of(plugin, name, index) == _size_of(plugin, name, 0) for name in _SIZES):
+            continue
+        radius, bounds = half(diameter), _bounds(acceleration, separation)
+        if radius is None or bounds is None:
+            port.leave(pair[0], "This wheel has other sizes.", "Write a plugin for its pair.")
+            continue
+        blocks = [
+            *(Block(tag, node.text) for tag, node in zip(TWO_WHEELS, pair, strict=True)),
+            Block("wheel_separation", separation),
+            Block("wheel_radius", radius),
+            *bounds,
+            Block("topic", _names(plugin)["command"]),
+        ]
+        for node in pair:
+            port.editor.remove(node)
+        port.editor.add_behind(plugin.node, _new_plugin("DiffDrive", blocks))
+
+
+def _size_of(plugin: ClassicPlugin, name: str, index: int) -> str:
+    """A size of a pair of wheels, as it is written."""
+    nodes = plugin.all(name)
+    return nodes[index].text if index < len(nodes) else plugin.default(name)
+
+
+def _bounds(acceleration: str, separation: str) -> list[Block] | None:
+    """The bounds of a robot, of which the rims of the wheels have this one; None: computed."""
+    if not acceleration or number(acceleration) == 0:
+        return []
+    texts = [acceleration, *(product(sign, acceleration, separation) for sign in (2, -2))]
+    texts.insert(1, product(-1, acceleration))
+    names = ("max_linear", "min_linear", "max_angular", "min_angular")
+    if None in texts:
+        return None
+    return [
+        Block(f"{name}_acceleration", text or "") for name, text in zip(names, texts, strict=True)
+    ]
 
 
 def _limit_effort(port: Porter, plugin: ClassicPlugin) -> None:
@@ -397,8 +449,8 @@ def _limit_acceleration(port: Porter, plugin: ClassicPlugin, separation: str) ->
     if not node.text or number(node.text) == 0:
         port.editor.remove(node)
         return
-    bounds = [product(-1, node.text), *(product(sign, node.text, separation) for sign in (2, -2))]
-    if None in bounds:
+    bounds = _bounds(node.text, separation)
+    if bounds is None:
         port.editor.remove(node)
         port.leave(
             node,
@@ -406,15 +458,8 @@ def _limit_acceleration(port: Porter, plugin: ClassicPlugin, separation: str) ->
             "Write <max_linear_acceleration> and <max_angular_acceleration>.",
         )
         return
-    names = ("min_linear", "max_angular", "min_angular")
-    port.editor.rename(node, "max_linear_acceleration")
-    port.editor.add_behind(
-        node,
-        *(
-            Block(f"{name}_acceleration", text or "")
-            for name, text in zip(names, bounds, strict=True)
-        ),
-    )
+    port.editor.rename(node, bounds[0].name)
+    port.editor.add_behind(node, *bounds[1:])
 
 
 def _publish_world_odometry(

@@ -209,3 +209,15 @@ def test_bounds_with_jerk(bounds: Bounds, wanted: float, expected: float) -> Non
 def test_speeds_of_rims() -> None:
     pair = WheelPair(left="l", right="r", separation=0.4, radius=0.1)
     assert pair.speeds(0.5, 1.0) == pytest.approx((0.3, 0.7))
+
+
+def test_plugins_of_gazebo_sim_for_the_same_commands_drive_together() -> None:
+    topic = "<topic>/cmd_vel</topic>"
+    front = f"{JOINTS}<wheel_radius>0.1</wheel_radius>{topic}"
+    rear = f"{JOINTS}<wheel_radius>0.2</wheel_radius>{topic}"
+    found = find_diff_drive(robot((SIM, front), (SIM, rear)))
+    assert isinstance(found, DiffDrive)
+    assert [pair.radius for pair in found.pairs] == [0.1, 0.2]
+    other = find_diff_drive(robot((SIM, front), (SIM, rear.replace("cmd_vel", "other"))))
+    assert isinstance(other, DiffDrive)
+    assert [pair.radius for pair in other.pairs] == [0.1]

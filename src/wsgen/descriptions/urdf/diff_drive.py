@@ -7,6 +7,7 @@ How they read it: `gazebo_ros_diff_drive.cpp` (gazebo_plugins, Humble and Iron) 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.descriptions.urdf.values import leading_float
@@ -58,8 +59,17 @@ def find_diff_drive(robot: Robot, *, simulator: str | None = None) -> DiffDrive 
             "Use the diff drive plugin of that simulator.",
         )
     kind, plugin = suited[0]
+    topic = plugin.values.get("topic")
     try:
-        return read_drive(kind, plugin.values, robot)
+        drive = read_drive(kind, plugin.values, robot)
+        # Pairs of other sizes have plugins of their own in Gazebo Sim, for the same commands.
+        others = [
+            read_drive(kind, one.values, robot)
+            for other, one in suited[1:]
+            if other == kind == SIM and topic and one.values.get("topic") == topic
+        ]
+        pairs = [pair for one in (drive, *others) for pair in one.pairs]
+        return replace(drive, pairs=tuple(pairs), grip=min(one.grip for one in (drive, *others)))
     except UnusableError as error:
         return error.why
 
