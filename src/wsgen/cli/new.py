@@ -27,7 +27,10 @@ if TYPE_CHECKING:
 
     from wsgen.packages.workspace.layout import Workspace
     from wsgen.pipeline.create import CreatedPackage
+    from wsgen.porting.existing.comparison import ComparedRow
     from wsgen.porting.existing.package import ExistingRobot
+
+MOST_NAMES = 5  # in a row of a comparison
 
 
 class NewCommand(ExampleCommand):
@@ -114,6 +117,12 @@ class NewCommand(ExampleCommand):
     help="With --from: sensor on a link, as lidar:LINK, camera:LINK or imu:LINK.",
 )
 @click.option(
+    "--fix",
+    "fixes",
+    is_flag=True,
+    help="With --from: fix what simulators refuse of the robot, or change.",
+)
+@click.option(
     "--bolted", is_flag=True, help="With --from: fix the root link of the robot to the ground."
 )
 @click.option("--description", metavar="TEXT", help="Description of the package.")
@@ -155,6 +164,7 @@ def command(
     control: str,
     wheels: tuple[str, ...],
     sensors: tuple[str, ...],
+    fixes: bool,
     bolted: bool,
     description: str | None,
     license_name: str,
@@ -197,6 +207,7 @@ def command(
         "--control": "" if control == "none" else control,
         "--wheel": wheels,
         "--sensor": sensors,
+        "--fix": fixes,
         "--bolted": bolted,
     }
     if source is None:
@@ -278,6 +289,7 @@ def _create_existing(
             keeps_license=not is_given("license_name"),
             wanted=Wanted(control, words["--wheel"], words["--sensor"]),
             is_bolted=words["--bolted"],
+            fixes=words["--fix"],
         ),
         environment=os.environ,
         is_dry_run=is_dry_run,
@@ -296,13 +308,15 @@ def _print_existing(existing: ExistingRobot, *, quiet: bool, verbose: bool) -> N
             row.aspect,
             row.source,
             row.package,
-            "same" if row.is_same else f"different: {', '.join(row.differing)}",
+            _verdict(row),
         )
         for row in existing.rows
     ]
     echo(f"Read {existing.source}")
     for line in draw_table(rows, headings=("", "source", "package", ""), quiet=quiet):
         echo(line)
+    for sentence in existing.fixes:
+        echo(f"fixed: {sentence}")
     for note in existing.notes:
         echo(f"note: {note}", err=True)
     for one in existing.unported:
@@ -313,6 +327,17 @@ def _print_existing(existing: ExistingRobot, *, quiet: bool, verbose: bool) -> N
             existing.diagnostics, most_alike=None if verbose else MOST_ALIKE
         ):
             echo(line, err=True)
+    if existing.fixable:
+        echo(f"Fixable with --fix: {', '.join(existing.fixable)}.", err=True)
+
+
+def _verdict(row: ComparedRow) -> str:
+    if row.is_same:
+        return "same"
+    names = ", ".join(row.differing[:MOST_NAMES])
+    more = len(row.differing) - MOST_NAMES
+    word = "fixed" if row.is_fixed else "different"
+    return f"{word}: {names}{f' and {more} more' if more > 0 else ''}"
 
 
 def _print_notes(created: CreatedPackage, *, verbose: bool) -> None:

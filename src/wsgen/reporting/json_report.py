@@ -100,11 +100,15 @@ def render_created(created: CreatedPackage, existing: ExistingRobot | None = Non
 
 def _existing(robot: ExistingRobot) -> dict[str, Any]:
     rows = [
-        {"same": row.is_same, **fields(row, "aspect source package differing")}
+        {
+            "same": row.is_same,
+            "fixed": row.is_fixed,
+            **fields(row, "aspect source package differing"),
+        }
         for row in robot.rows
     ]
     return {
-        **fields(robot, "source kind notes"),
+        **fields(robot, "source kind notes fixes fixable"),
         "same": robot.is_same,
         "comparison": rows,
         "not_in_package": [fields(one, "file line what advice") for one in robot.unported],

@@ -134,3 +134,12 @@ class UnbuildableShape:
 
     problem: str
     hint: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solid:
+    """A mesh as a solid body of density 1, in its own frame."""
+
+    volume: float  # m³
+    center: Vector  # of mass, m
+    inertia: tuple[float, ...]  # about the center of mass, m⁵: ixx ixy ixz iyy iyz izz

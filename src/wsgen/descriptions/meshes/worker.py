@@ -31,7 +31,7 @@ from wsgen.descriptions.meshes.content import (
 )
 from wsgen.descriptions.meshes.dae import is_dae, read_dae
 from wsgen.descriptions.meshes.obj import is_obj, read_obj
-from wsgen.descriptions.meshes.requests import InspectedMesh, MeshRequest, UnusableMesh
+from wsgen.descriptions.meshes.requests import InspectedMesh, MeshRequest, Solid, UnusableMesh
 from wsgen.descriptions.meshes.stl import is_stl, read_stl, write_stl
 from wsgen.isolation.child import announce
 from wsgen.text.files import irregular_kind, read_regular
@@ -319,3 +319,56 @@ def _bounds(corners: NDArray[Any]) -> tuple[Vector, Vector]:
             "simulated"
         )
     return low, high
+
+
+def measure(requests: Sequence[tuple[str, Vector]]) -> list[Solid | None]:
+    """What meshes have as solid bodies of density 1, by path and scale; None of one without volume.
+
+    One that is not closed has the volume of its convex hull, or of the box around it.
+    """
+    return [_solid(read_mesh(Path(path)).corners * scale) for path, scale in requests]
+
+
+def _solid(corners: NDArray[np.float64]) -> Solid | None:
+    import trimesh  # noqa: PLC0415  see above
+
+    mesh = _mesh_of(corners)
+    if not mesh.is_watertight:
+        try:
+            mesh = mesh.convex_hull
+        except Exception:  # noqa: BLE001  without scipy, or of a flat mesh
+            mesh = trimesh.creation.box(bounds=mesh.bounds)
+    found = mesh.mass_properties
+    sign = -1.0 if found["volume"] < 0 else 1.0  # its faces look inwards
+    volume, inertia = sign * float(found["volume"]), sign * np.asarray(found["inertia"])
+    if not volume > 0:
+        return None
+    x, y, z = (float(one) for one in found["center_mass"])
+    pairs = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+    return Solid(volume=volume, center=(x, y, z), inertia=tuple(float(inertia[at]) for at in pairs))
+
+
+def _mesh_of(corners: NDArray[np.float64]) -> Any:
+    import trimesh  # noqa: PLC0415  see above
+
+    faces = np.arange(corners.size // 3).reshape(-1, 3)
+    return trimesh.Trimesh(vertices=corners.reshape(-1, 3), faces=faces)  # equal corners merged
+
+
+def write_mirrored(requests: Sequence[tuple[str, Vector, str]]) -> None:
+    """Write meshes as they are with some axes mirrored, as STL: path, signs and new path."""
+    for path, signs, target in requests:
+        corners = read_mesh(Path(path)).corners * signs
+        if np.prod(signs) < 0:  # else it would be seen from inside
+            corners = corners[:, ::-1]
+        write_stl(corners, Path(target))
+
+
+def write_hull(path: str, target: str) -> bool:
+    """Write the convex hull of a mesh, as STL; False where scipy, which computes it, is missing."""
+    try:
+        hull = _mesh_of(read_mesh(Path(path)).corners).convex_hull
+    except ImportError:
+        return False
+    write_stl(np.asarray(hull.triangles, dtype=np.float64), Path(target))
+    return True

@@ -34,6 +34,7 @@ class ComparedRow(NamedTuple):
     package: str
     is_same: bool
     differing: tuple[str, ...] = ()  # links or joints, as the source names them
+    is_fixed: bool = False  # it differs by fixes alone
 
 
 class Renamed(NamedTuple):

@@ -8,18 +8,22 @@ import re
 import shutil
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.checks.fixes.source import SourceText, apply
 from wsgen.checks.rules.entities import lowest_point
+from wsgen.descriptions.meshes.inspection import LIMITS
 from wsgen.descriptions.meshes.lookup import find_meshes
+from wsgen.descriptions.meshes.requests import Solid
 from wsgen.descriptions.urdf.lumping import WORLD
 from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.descriptions.xacro.reader import expand_file
 from wsgen.diagnostics import Severity, has_errors
 from wsgen.errors import NotReadableError, RequestError
 from wsgen.gazebo.systems import plugin_of
+from wsgen.isolation.codec import decode
 from wsgen.isolation.parent import make_scratch, run
+from wsgen.isolation.result import Died
 from wsgen.model.kinematics import link_poses
 from wsgen.model.robot import Box, Capsule, Cylinder, Mesh, Sphere
 from wsgen.model.target import SIM
@@ -38,13 +42,22 @@ from wsgen.porting.existing.catkin import (
     port_manifest,
     siblings_of,
 )
-from wsgen.porting.existing.comparison import compare
+from wsgen.porting.existing.comparison import Renamed, compare
 from wsgen.porting.existing.extensions import DIFF_DRIVE, Extensions, Wanted, extend
+from wsgen.porting.existing.fixes import (
+    Fix,
+    Meshes,
+    Mirrored,
+    fix,
+    fixable,
+    without_missing,
+)
 from wsgen.porting.existing.kept_xacro import FOLDER, KeptFiles, NotKeptError, keep_files
 from wsgen.porting.existing.launch_of_ros1 import Source as CatkinSource
 from wsgen.porting.existing.reading import KINDS, read_robot, refuse
 from wsgen.porting.existing.resources import (
     CONFIG,
+    MESHES,
     find_references,
     place_files,
     rewrite,
@@ -60,10 +73,11 @@ from wsgen.text.files import read_regular_text
 from wsgen.text.markup import without_comments
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.robot import Geometry, Robot
+    from wsgen.model.transform import Vector
     from wsgen.packages.workspace.layout import Workspace
     from wsgen.pipeline.create import CreatedPackage, NewPackage
     from wsgen.pipeline.prepare import PreparedRobot
@@ -79,6 +93,7 @@ TEMPLATE = "existing"
 MAIN, EXTENSIONS = "model/robot.xacro", "model/robot.gazebo"
 WORLD_FILE, BRIDGE_FILE = "model/empty_world.world", "config/bridge.yaml"
 RVIZ_FILE = "config/robot.rviz"
+_WORKER = "wsgen.descriptions.meshes.worker"
 _NOT_NEEDED = ("model/inertia.xacro",)  # of the files of other templates
 _CLEARANCE = 0.005  # m, under the robot when it is spawned
 _LICENSE = re.compile(r"<license[^>]*>([^<]+)</license>")
@@ -95,6 +110,7 @@ class ExistingRequest(NamedTuple):
     keeps_license: bool = True  # that of the source, if it names one
     wanted: Wanted = Wanted()
     is_bolted: bool = False  # to the ground, by its root link
+    fixes: bool = False  # what simulators refuse or change
 
 
 class ExistingRobot(NamedTuple):
@@ -107,11 +123,13 @@ class ExistingRobot(NamedTuple):
     notes: tuple[str, ...]  # sentences: what was done, and what its author should know
     unported: tuple[Unported, ...]
     diagnostics: tuple[Diagnostic, ...]  # what simulators make of it
+    fixes: tuple[str, ...] = ()  # sentences: what was fixed
+    fixable: tuple[str, ...] = ()  # names of rules that fixes may have something for
 
     @property
     def is_same(self) -> bool:
-        """Whether the robot of the package is that of the source."""
-        return all(row.is_same for row in self.rows)
+        """Whether the robot of the package is that of the source, but for what was fixed."""
+        return all(row.is_same or row.is_fixed for row in self.rows)
 
     @property
     def passed(self) -> bool:
@@ -137,16 +155,16 @@ def create_existing(
     """
     with make_scratch() as scratch:
         source = open_source(request.source, scratch, environment)
-        source, description, _ = read_robot(
+        source, description, missing = read_robot(
             source,
             request.arguments,
             copy_outside=request.copy_outside,
-            skip_missing=False,
+            skip_missing=request.fixes,
             environment=environment,
             scratch=scratch,
         )
         making = _Making(planned, request, source, description, environment, scratch)
-        tree = making.make()
+        tree = making.make(missing)
         created = write_new(planned, tree, is_dry_run=is_dry_run, announce=announce)
         return ExistingRobot(
             created,
@@ -156,6 +174,8 @@ def create_existing(
             tuple(making.notes),
             tuple(making.unported),
             tuple(making.diagnostics),
+            tuple(dict.fromkeys(one.sentence for one in making.fixes)),
+            () if request.fixes else tuple(fixable(making.diagnostics)),
         )
 
 
@@ -183,22 +203,27 @@ class _Making:
         self.extensions = Extensions()
         self.ported = FilePort()  # of the plugins for Gazebo Classic
         self.root = ""  # the link that is bolted
+        self.fixes: list[Fix] = []
+        self.renamed = Renamed()
 
-    def make(self) -> PackageTree:
-        """The files of the package; what is compared and reported comes with them."""
+    def make(self, missing: Sequence[str] = ()) -> PackageTree:
+        """The files of the package; what is compared and reported comes with them.
+
+        `missing` are meshes that do not exist, whose shapes are left out.
+        """
         written = self._port(self._written(), self.source.file)
+        if self.request.fixes:
+            written = self._fix(written, missing)
         robot, found = self._read(written)
         if robot is None:
-            refuse(found, self.source)
+            refuse(found, self.source, can_fix=not self.request.fixes and bool(fixable(found)))
         assert robot is not None  # noqa: S101  else it was refused
         laid = self.scratch / "package" / self.spec.name
         self._extend(robot, written, laid)
         texts, text = self._choose_texts(written)
         files: dict[str, str | bytes | Path] = {**self.resources.files, **texts.more, **texts.files}
         prepared = self._prepare(text, laid)
-        self.rows = compare(
-            self._with_meshes(), self._located(_without_link(prepared.written, self.root), laid)
-        )
+        self._compare(self._located(_without_link(prepared.written, self.root), laid), written)
         self.unported += dict.fromkeys(self.ported.unported)
         self._note_files()
         license_text = self._take_license()
@@ -237,6 +262,89 @@ class _Making:
         port = port_model(SourceText(file, text), target)
         self.ported = joined((self.ported, port))
         return apply(text, port.edits)
+
+    def _fix(self, written: str, missing: Sequence[str]) -> str:
+        """The text without what simulators refuse or change."""
+        laid = self.scratch / "package" / self.spec.name
+        _lay_out(self.resources.files, laid)
+        file = laid / FOLDER / "robot.urdf"
+        text, self.fixes = without_missing(written, missing)
+
+        def diagnose(now: str) -> tuple[Robot | None, Sequence[Diagnostic]]:
+            _lay_out({f"{FOLDER}/{file.name}": now}, laid)
+            prepared, found = self._prepared(now, file, laid)
+            return None if prepared is None else prepared.readable or prepared.written, found
+
+        fixed = fix(text, file, diagnose, self._meshes(laid))
+        self.fixes += fixed.fixes
+        self.renamed = Renamed(fixed.links, fixed.joints)
+        self.notes += fixed.refused
+        return fixed.text
+
+    def _meshes(self, laid: Path) -> Meshes:
+        """What fixes ask of meshes, in a child process."""
+
+        def ask(task: str, *arguments: object) -> Any:
+            answer = run(f"{_WORKER}:{task}", *arguments, limits=LIMITS)
+            return None if isinstance(answer, Died) else answer.value
+
+        def measure(requests: Sequence[tuple[str, Vector]]) -> list[Solid | None]:
+            found = ask("measure", list(requests))
+            return [None] * len(requests) if found is None else decode(found, list[Solid | None])
+
+        def add(target: Path, path: str, ending: str) -> str | None:
+            """The name of a new mesh, if it was written."""
+            if not target.is_file():
+                return None
+            name, number, content = f"{usable(Path(path).stem)}_{ending}", 1, target.read_bytes()
+            place = f"{MESHES}/{name}.stl"
+            while self.resources.files.get(place, content) != content:
+                number += 1
+                place = f"{MESHES}/{name}_{number}.stl"
+            files = {**self.resources.files, place: content}
+            self.resources = self.resources._replace(files=files)
+            _lay_out({place: content}, laid)
+            return f"package://{self.spec.name}/{place}"
+
+        def mirror(requests: Sequence[Mirrored]) -> dict[Mirrored, str]:
+            targets = [self.scratch / f"mirrored-{number}.stl" for number, _ in enumerate(requests)]
+            ask(
+                "write_mirrored",
+                [(*one, str(to)) for one, to in zip(requests, targets, strict=True)],
+            )
+            names = {}
+            for one, target in zip(requests, targets, strict=True):
+                path, signs = one
+                axes = "".join(axis for axis, sign in zip("xyz", signs, strict=True) if sign < 0)
+                name = add(target, path, f"mirrored_{axes}")
+                if name is not None:
+                    names[one] = name
+            return names
+
+        def hull(path: str) -> str | None:
+            target = self.scratch / f"hull-{len(self.resources.files)}.stl"
+            ask("write_hull", path, str(target))
+            return add(target, path, "hull")
+
+        return Meshes(measure, mirror, hull)
+
+    def _compare(self, package: Robot, written: str) -> None:
+        """Compare the robots; what was fixed may differ."""
+        source, renamed = self._with_meshes(self.description.text), self.renamed
+        if source is None:
+            self.notes.append(
+                "The source cannot be read without its fixes: the robots are compared after them."
+            )
+            source, renamed = self._with_meshes(written), Renamed()
+        assert source is not None  # noqa: S101  else it was refused
+        touched = {name for one in self.fixes for name in one.names}
+        self.rows = [
+            row._replace(is_fixed=not row.is_same and touched.issuperset(row.differing))
+            for row in compare(source, package, renamed)
+        ]
+        *others, poses = self.rows
+        if not poses.is_same and any(row.is_fixed for row in others):  # of links behind joints
+            self.rows = [*others, poses._replace(is_fixed=True)]
 
     def _extend(self, robot: Robot, written: str, laid: Path) -> None:
         """Choose what the simulator needs beside the robot."""
@@ -306,6 +414,8 @@ class _Making:
 
     def _keep(self, written: str) -> tuple[KeptFiles, str]:
         """The files of xacro, and what they expand to, which must be the robot."""
+        if self.fixes:
+            raise NotKeptError("its robot was fixed")
         kept = keep_files(self.source, self.resources, self.spec.name)
         ported = {path: self._port(text, Path(path)) for path, text in kept.files.items()}
         kept = kept._replace(files=ported)
@@ -351,10 +461,11 @@ class _Making:
     def _read(self, text: str) -> tuple[Robot | None, tuple[Diagnostic, ...]]:
         return read_urdf(text, file=self.source.file)
 
-    def _with_meshes(self) -> Robot:
-        """The robot of the source, its meshes with their paths."""
-        robot, _ = self._read(self.description.text)
-        assert robot is not None  # noqa: S101  else it was refused
+    def _with_meshes(self, text: str) -> Robot | None:
+        """The robot of a text with the names of the source, its meshes with their paths."""
+        robot, _ = self._read(text)
+        if robot is None:
+            return None
         paths: dict[str, str] = {}
         for name, content in self.description.meshes.items():
             if isinstance(content, bytes):
@@ -362,7 +473,7 @@ class _Making:
                 path.write_bytes(content)
             else:
                 path = content
-            paths[name] = str(path)
+            paths[name] = paths[self._new_name(name) or name] = str(path)
         return _with_paths(robot, paths)
 
     def _located(self, robot: Robot, laid: Path) -> Robot:
@@ -376,17 +487,7 @@ class _Making:
 
     def _prepare(self, text: str, laid: Path) -> PreparedRobot:
         """The robot as the simulator has it, with what wsgen reports of it."""
-        meshes = self.scratch / "meshes"
-        meshes.mkdir(exist_ok=True)
-        context = PrepareContext(share_of=self._share_of(laid), folder=meshes, run=run)
-        target = self.spec.target
-        prepared, found = prepare_robot(
-            text,
-            file=laid / MAIN,
-            context=context,
-            simulator=target.simulator,
-            distro=target.distro,
-        )
+        prepared, found = self._prepared(text, laid / MAIN, laid)
         if prepared is None:
             refuse(found, self.source)
         assert prepared is not None  # noqa: S101  else there is an error
@@ -396,6 +497,17 @@ class _Making:
             if one.severity is not Severity.INFO
         ]
         return prepared
+
+    def _prepared(
+        self, text: str, file: Path, laid: Path
+    ) -> tuple[PreparedRobot | None, tuple[Diagnostic, ...]]:
+        meshes = self.scratch / "meshes"
+        meshes.mkdir(exist_ok=True)
+        context = PrepareContext(share_of=self._share_of(laid), folder=meshes, run=run)
+        target = self.spec.target
+        return prepare_robot(
+            text, file=file, context=context, simulator=target.simulator, distro=target.distro
+        )
 
     def _final(self, file: Path | None, laid: Path) -> Path | None:
         """Where a file will be that is laid out now."""
@@ -432,7 +544,7 @@ class _Making:
             "links": len(robot.links),
             "meshes": sum(path.startswith("meshes/") for path in self.resources.files),
             "rows": self.rows,
-            "notes": self.notes,
+            "notes": [*self.notes, *dict.fromkeys(one.sentence for one in self.fixes)],
             "unported": self.unported,
         }
 
@@ -629,6 +741,7 @@ def _lay_out(tree: PackageTree, folder: Path) -> None:
     for name, content in tree.items():
         place = folder / name
         place.parent.mkdir(parents=True, exist_ok=True)
+        place.unlink(missing_ok=True)
         if isinstance(content, Path):
             try:
                 place.symlink_to(content)

@@ -140,8 +140,8 @@ def _with_declaration(text: str) -> str:
     return f'<?xml version="1.0"?>{_NO_LINE_END.sub("", found[0])}{text[found.end() :]}'
 
 
-def refuse(found: Sequence[Diagnostic], source: Source) -> None:
-    """Stop at the first error.
+def refuse(found: Sequence[Diagnostic], source: Source, *, can_fix: bool = False) -> None:
+    """Stop at the first error, which `--fix` may fix.
 
     Raises:
         NotReadableError: There is one.
@@ -151,4 +151,5 @@ def refuse(found: Sequence[Diagnostic], source: Source) -> None:
         first = errors[0]
         place = f"{first.file or source.shown}:{first.line}" if first.line else source.shown
         more = f" ({len(errors) - 1} more: wsgen check {source.file})" if len(errors) > 1 else ""
-        raise NotReadableError(f"{place}: {first.message}", hint=f"{first.hint or ''}{more}")
+        fix = " Or add --fix." if can_fix else ""
+        raise NotReadableError(f"{place}: {first.message}", hint=f"{first.hint or ''}{fix}{more}")

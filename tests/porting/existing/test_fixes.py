@@ -1,0 +1,301 @@
+"""What simulators refuse of a robot is fixed by --fix, listed, and nothing else changes."""
+
+# ruff: noqa: E501  elements as people write them
+
+import json
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from existing_robots import cube_stl
+from wsgen.cli import run
+from wsgen.descriptions.meshes.worker import measure, read_mesh, write_hull, write_mirrored
+from wsgen.descriptions.urdf.reader import read_urdf
+from wsgen.model.robot import Mesh, Robot
+
+pytestmark = pytest.mark.slow
+
+INERTIAL = '<inertial><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>'
+BOX = '<collision><geometry><box size="0.1 0.2 0.3"/></geometry></collision>'
+LIMIT = '<limit lower="-1" upper="1" effort="5" velocity="3"/>'
+
+
+def joint(
+    child: str, *, limit: str = LIMIT, kind: str = "revolute", name: str = "turn", more: str = ""
+) -> str:
+    return f'<joint name="{name}" type="{kind}"><parent link="base"/><child link="{child}"/><axis xyz="0 0 1"/>{limit}{more}</joint>'
+
+
+def robot_of(*parts: str, base: str = INERTIAL + BOX) -> str:
+    return (
+        f'<?xml version="1.0"?>\n<robot name="r">\n  <link name="base">{base}</link>\n  '
+        + "\n  ".join(parts)
+        + "\n</robot>\n"
+    )
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    folder = tmp_path / "here"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    return folder
+
+
+def new(text: str, folder: Path, *options: str) -> int:
+    (folder / "r.urdf").write_text(text)
+    maintainer = ("--maintainer-name", "Ada", "--maintainer-email", "ada@example.com")
+    return run(
+        [
+            "new",
+            "my_robot",
+            "--from",
+            str(folder / "r.urdf"),
+            "--distro",
+            "jazzy",
+            "--format",
+            "json",
+            *maintainer,
+            *options,
+        ]
+    )
+
+
+def fixed(
+    text: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> tuple[Robot, dict[str, Any]]:
+    """The robot after its fixes, and what is said of it."""
+    assert new(text, folder, "--fix") == 0
+    said: dict[str, Any] = json.loads(capsys.readouterr().out)["robot"]
+    assert said["same"] is True
+    assert [one["name"] for one in said["diagnostics"] if one["severity"] == "error"] == []
+    written = folder / "here" / "ws_gazebo" / "src" / "my_robot" / "urdf" / "r.urdf"
+    robot, _ = read_urdf(written.read_text(), file=None)
+    assert robot is not None
+    return robot, said
+
+
+def differing(said: dict[str, Any]) -> dict[str, list[str]]:
+    assert all(row["fixed"] for row in said["comparison"] if not row["same"])
+    return {row["aspect"]: row["differing"] for row in said["comparison"] if not row["same"]}
+
+
+def test_what_can_be_fixed_is_offered(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = robot_of(f'<link name="arm">{BOX}</link>', joint("arm"))
+    assert new(text, tmp_path) == 1
+    said = json.loads(capsys.readouterr().out)["robot"]
+    assert said["fixable"] == ["dropped-link"]
+    assert (said["fixes"], said["same"]) == ([], True)
+
+
+def test_a_missing_inertia_of_a_box(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    robot, said = fixed(robot_of(f'<link name="arm">{BOX}</link>', joint("arm")), tmp_path, capsys)
+    inertial = robot.link("arm").inertial
+    assert inertial is not None
+    assert inertial.mass == pytest.approx(6.0)
+    assert inertial.inertia == pytest.approx((6 * 0.13 / 12, 0, 0, 6 * 0.10 / 12, 0, 6 * 0.05 / 12))
+    assert said["fixes"] == [
+        "Gave the link `arm` a mass of 6 kg and an inertia from its shapes and a density of 1000 kg/m³."
+    ]
+    assert differing(said) == {"masses": ["arm"], "centers of mass": ["arm"], "inertias": ["arm"]}
+
+
+def test_a_missing_inertia_of_a_mesh_that_is_turned(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "cube.stl").write_bytes(cube_stl())
+    shape = '<collision><origin xyz="1 0 0" rpy="0 0 1.5707963267948966"/><geometry><mesh filename="cube.stl" scale="1 2 3"/></geometry></collision>'
+    robot, _ = fixed(robot_of(f'<link name="arm">{shape}</link>', joint("arm")), tmp_path, capsys)
+    inertial = robot.link("arm").inertial
+    assert inertial is not None
+    assert inertial.mass == pytest.approx(6.0, rel=1e-5)
+    assert inertial.pose_in_link.xyz == pytest.approx((1 - 0.1, 0.05, 0.15), rel=1e-5)
+    # 0.1 along x of the mesh, which is y of the link.
+    wanted = (6 * (0.01 + 0.09) / 12, 0, 0, 6 * (0.04 + 0.09) / 12, 0, 6 * 0.05 / 12)
+    assert inertial.inertia == pytest.approx(wanted, rel=1e-4, abs=1e-9)
+
+
+def test_a_link_without_anything(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    robot, said = fixed(robot_of('<link name="hub"/>', joint("hub")), tmp_path, capsys)
+    inertial = robot.link("hub").inertial
+    assert inertial is not None
+    assert inertial.mass == 0.01
+    assert "as it has no shape" in said["fixes"][0]
+
+
+def test_an_impossible_inertia(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = robot_of().replace('izz="0.01"', 'izz="0.05"')
+    robot, said = fixed(text, tmp_path, capsys)
+    assert differing(said) == {"inertias": ["base"]}
+    inertial = robot.link("base").inertial
+    assert inertial is not None
+    assert inertial.inertia[0] + inertial.inertia[3] >= inertial.inertia[5]
+    assert inertial.mass == 1.0
+
+
+def test_two_roots(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = robot_of(
+        f'<link name="arm">{INERTIAL}</link>', joint("arm"), f'<link name="lost">{INERTIAL}</link>'
+    )
+    assert new(text, tmp_path) == 4
+    assert "Or add --fix." in capsys.readouterr().err
+    robot, said = fixed(text, tmp_path, capsys)
+    assert robot.root == "base"
+    assert [one.name for one in robot.joints] == ["turn", "base_to_lost"]
+    assert "Attached the second root `lost`" in said["fixes"][0]
+    assert "cannot be read without its fixes" in " ".join(said["notes"])
+
+
+def test_names(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = robot_of(
+        f'<link name="arm: upper">{INERTIAL}</link>',
+        joint("arm: upper", name="arm: upper"),
+        f'<link name="arm__upper">{INERTIAL}</link>',
+        joint("arm__upper", name="follow", more='<mimic joint="arm: upper"/>'),
+        '<gazebo reference="arm: upper"><mu1>0.5</mu1></gazebo>',
+        '<gazebo><plugin filename="libx.so" name="x"><body>arm: upper</body></plugin></gazebo>',
+    )
+    robot, said = fixed(text, tmp_path, capsys)
+    assert [one.name for one in robot.links] == ["base", "arm_upper", "arm__upper"]
+    assert [one.name for one in robot.joints] == ["arm_upper_joint", "follow"]
+    assert robot.joints[1].mimic is not None
+    assert robot.joints[1].mimic.joint == "arm_upper_joint"
+    assert robot.gazebo[0].reference == "arm_upper"
+    assert differing(said) == {}  # it is the same robot with other names
+    assert len(said["fixes"]) == 2
+
+
+def test_meshes_in_millimeters(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "cube.stl").write_bytes(cube_stl(150.0))
+    shape = '<visual><geometry><mesh filename="cube.stl"/></geometry></visual>'
+    robot, said = fixed(robot_of(base=INERTIAL + BOX + shape), tmp_path, capsys)
+    geometry = robot.link("base").visuals[0].geometry
+    assert isinstance(geometry, Mesh)
+    assert geometry.scale == (0.001, 0.001, 0.001)
+    assert differing(said) == {"visuals": ["base"]}
+
+
+def test_mirrored_meshes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "cube.stl").write_bytes(cube_stl())
+    shape = '<collision><geometry><mesh filename="cube.stl" scale="1 -2 1"/></geometry></collision>'
+    robot, said = fixed(robot_of(base=INERTIAL + shape), tmp_path, capsys)
+    geometry = robot.link("base").collisions[0].geometry
+    assert isinstance(geometry, Mesh)
+    assert (geometry.uri, geometry.scale) == (
+        "package://my_robot/meshes/cube_mirrored_y.stl",
+        (1, 2, 1),
+    )
+    file = tmp_path / "here" / "ws_gazebo" / "src" / "my_robot" / "meshes" / "cube_mirrored_y.stl"
+    corners = read_mesh(file).corners
+    assert (corners.min(axis=(0, 1)), corners.max(axis=(0, 1))) == (
+        pytest.approx((0, -0.1, 0)),
+        pytest.approx((0.1, 0, 0.1)),
+    )
+    (solid,) = measure([(str(file), (1.0, 2.0, 1.0))])
+    assert solid is not None
+    assert solid.volume == pytest.approx(0.002, rel=1e-5)
+    assert differing(said) == {"collisions": ["base"]}
+
+
+def test_heavy_collision_meshes(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("scipy")
+    monkeypatch.setattr("wsgen.porting.existing.fixes.HEAVY", 10)
+    (tmp_path / "cube.stl").write_bytes(cube_stl())
+    shape = '<{0}><geometry><mesh filename="cube.stl"/></geometry></{0}>'
+    robot, said = fixed(
+        robot_of(base=INERTIAL + shape.format("visual") + shape.format("collision")),
+        tmp_path,
+        capsys,
+    )
+    base = robot.link("base")
+    names = [
+        one.geometry.uri.rpartition("/")[2]
+        for one in (*base.visuals, *base.collisions)
+        if isinstance(one.geometry, Mesh)
+    ]
+    assert names == ["cube.stl", "cube_hull.stl"]
+    assert differing(said) == {"collisions": ["base"]}
+
+
+@pytest.mark.parametrize(
+    ("limit", "wanted"),
+    [
+        ('<limit lower="0" upper="0" effort="5" velocity="3"/>', (-3.14159, 3.14159, 5, 3)),
+        ('<limit lower="-1" upper="1" effort="0" velocity="0"/>', (-1, 1, 1000, 100)),
+        ("", (-3.14159, 3.14159, 1000, 100)),
+    ],
+)
+def test_limits_of_zero(
+    limit: str, wanted: tuple[float, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    robot, said = fixed(
+        robot_of(f'<link name="arm">{INERTIAL}</link>', joint("arm", limit=limit)), tmp_path, capsys
+    )
+    found = robot.joints[0].limit
+    assert found is not None
+    assert (found.lower, found.upper, found.effort, found.velocity) == pytest.approx(wanted)
+    assert "Gave the joint `turn` a limit" in said["fixes"][0]
+
+
+def test_a_mesh_that_is_missing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    shape = '<visual><geometry><mesh filename="lost.stl"/></geometry></visual>'
+    robot, said = fixed(robot_of(base=INERTIAL + BOX + shape), tmp_path, capsys)
+    assert robot.link("base").visuals == ()
+    assert "its mesh `lost.stl` is missing" in said["fixes"][0]
+    assert differing(said) == {"visuals": ["base"]}
+
+
+def test_fixes_of_checks_are_made(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    more = '<origin xyz="0.1, 0, 0"/>'
+    robot, said = fixed(
+        robot_of(f'<link name="arm">{INERTIAL}</link>', joint("arm", more=more)), tmp_path, capsys
+    )
+    assert robot.joints[0].pose_in_parent.xyz == (0.1, 0, 0)
+    assert differing(said)["origins of joints"] == ["turn"]
+
+
+def test_a_robot_that_needs_none_stays(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = robot_of(f'<link name="arm">{INERTIAL}{BOX}</link>', joint("arm"))
+    _, said = fixed(text, tmp_path, capsys)
+    assert said["fixes"] == []
+    written = tmp_path / "here" / "ws_gazebo" / "src" / "my_robot" / "urdf" / "r.urdf"
+    assert written.read_text() == text
+
+
+def test_solids(tmp_path: Path) -> None:
+    """A cube, one whose faces look inwards, and one with a hole."""
+    file = tmp_path / "cube.stl"
+    file.write_bytes(cube_stl(0.2))
+    (solid,) = measure([(str(file), (1.0, 1.0, 1.0))])
+    assert solid is not None
+    assert solid.volume == pytest.approx(0.008, rel=1e-5)
+    assert solid.center == pytest.approx((0.1, 0.1, 0.1), rel=1e-5)
+    assert solid.inertia == pytest.approx(
+        (0.008 * 0.08 / 12, 0, 0, 0.008 * 0.08 / 12, 0, 0.008 * 0.08 / 12), rel=1e-4, abs=1e-9
+    )
+    write_mirrored([(str(file), (-1.0, 1.0, 1.0), str(tmp_path / "mirrored.stl"))])
+    (turned,) = measure([(str(tmp_path / "mirrored.stl"), (-1.0, 1.0, 1.0))])
+    assert turned is not None
+    assert turned.volume == pytest.approx(0.008, rel=1e-5)
+    data = bytearray(cube_stl(0.2)[:-50])
+    data[80:84] = (11).to_bytes(4, "little")
+    (tmp_path / "open.stl").write_bytes(data)
+    (hull,) = measure([(str(tmp_path / "open.stl"), (1.0, 1.0, 1.0))])
+    assert hull is not None
+    assert math.isclose(hull.volume, 0.008, rel_tol=1e-5)
+    pytest.importorskip("scipy")
+    assert write_hull(str(tmp_path / "open.stl"), str(tmp_path / "hull.stl"))
+    assert np.ptp(read_mesh(tmp_path / "hull.stl").corners) == pytest.approx(0.2)
+
+
+def test_the_readme_lists_the_fixes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    fixed(robot_of(f'<link name="arm">{BOX}</link>', joint("arm")), tmp_path, capsys)
+    text = (tmp_path / "here" / "ws_gazebo" / "src" / "my_robot" / "README.md").read_text()
+    assert "a mass of 6 kg and an inertia from its shapes" in text
+    assert re.search(r"\| masses \| 1 kg \| 7 kg \| fixed \|", text)
