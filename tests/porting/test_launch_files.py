@@ -305,7 +305,24 @@ def spawner(name):
 """
 
 
-@pytest.mark.parametrize(("text", "line"), [(IN_LOOP, 4), (IN_COMPREHENSION, 3), (IN_FUNCTION, 2)])
+IN_PLACES_OF_A_LIST = """\
+def generate_launch_description():
+    ld = LaunchDescription()
+    robots = []
+    for name in NAMES:
+        robots.append(Node(
+            package='gazebo_ros', executable='spawn_entity.py',
+            arguments=['-file', model, '-entity', name, '-robot_namespace', [name, '_space']]))
+    for i in range(len(NAMES)):
+        ld.add_action(robots[i])
+    return ld
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [(IN_LOOP, 4), (IN_COMPREHENSION, 3), (IN_FUNCTION, 2), (IN_PLACES_OF_A_LIST, 5)],
+)
 def test_each_of_several_robots_has_its_bridge(text: str, line: int) -> None:
     after, port = ported(text, rows={line: OWN})
     assert not port.unported
@@ -313,7 +330,8 @@ def test_each_of_several_robots_has_its_bridge(text: str, line: int) -> None:
     assert "(['/model/', name, '/scan'], [*[name, '_space'], '/scan'])," in after
     assert "(['/model/', name, '/tf'], '/tf')," in after
     assert after.count("namespace='/',") == 1
-    assert ("GroupAction([Node(" in after) != ("robots.append(Node(" in after)
+    forms = ("GroupAction([Node(", "robots.append(Node(\n            package='ros_gz_bridge'")
+    assert sum(form in after for form in (*forms, "        ld.add_action(Node(")) == 1
     assert ("from launch.actions import GroupAction" in after) == ("GroupAction([" in after)
 
 

@@ -201,12 +201,11 @@ class BridgeWriter:
             return _Place(tree.end(node), indent, f",{newline}{indent}{{}}")
         if isinstance(parent, ast.Call) and isinstance(parent.func, ast.Attribute):
             statement, method = file.parents.get(parent), parent.func.attr
-            is_added = method == "add_action" or (
-                method == "append" and self._is_list_of_actions(parent.func.value)
-            )
-            if isinstance(statement, ast.Expr) and is_added:
+            receiver = file.written(parent.func.value)
+            if method == "append" and not self._is_list_of_actions(parent.func.value):
+                receiver, method = self._description_before(parent), "add_action"
+            if isinstance(statement, ast.Expr) and method in {"add_action", "append"} and receiver:
                 indent = file.source.indent_at(tree.start(statement))
-                receiver = file.written(parent.func.value)
                 form = f"{newline}{indent}{receiver}.{method}({{}})"
                 return _Place(tree.end(statement), indent, form)
         if (isinstance(parent, ast.ListComp) and parent.elt is node) or (
@@ -217,6 +216,31 @@ class BridgeWriter:
             indent = file.source.indent_at(tree.start(node)) + "    "
             return _Place(tree.end(node), indent, f",{newline}{indent}{{}}])")
         return None
+
+    def _description_before(self, node: ast.Call) -> str:
+        """The name of the launch description that is filled where a node is; empty: there is none.
+
+        What is put into a list whose places count is started one by one later.
+        """
+        return next(
+            (
+                one.id
+                for assignment in self.file.tree.all(ast.Assign)
+                if isinstance(assignment.value, ast.Call)
+                and name_of(assignment.value) == "LaunchDescription"
+                and assignment.lineno < node.lineno
+                and self._function(assignment) is self._function(node)
+                for one in assignment.targets
+                if isinstance(one, ast.Name)
+            ),
+            "",
+        )
+
+    def _function(self, node: ast.AST) -> ast.AST | None:
+        around = self.file.parents.get(node)
+        while around is not None and not isinstance(around, ast.FunctionDef):
+            around = self.file.parents.get(around)
+        return around
 
     def _is_waited_for(self) -> bool:
         """Whether a handler may wait for an action, which a group cannot be."""
