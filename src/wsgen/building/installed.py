@@ -29,7 +29,7 @@ from wsgen.packages.build_files.python_checks import (
 )
 from wsgen.packages.build_files.python_setup import Configuration
 from wsgen.text.files import read_regular_text
-from wsgen.text.suggestions import ask_for_nearest, nearest
+from wsgen.text.suggestions import ask_for_nearest, nearest, some_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -149,7 +149,6 @@ def _stale_files(
     if stale:
         is_python = package.build_type == "ament_python"
         where = "data_files in setup.py" if is_python else "install() in CMakeLists.txt"
-        others = f" and {len(stale) - NAMED} more" if len(stale) > NAMED else ""
         folders = shlex.join(
             str(space / package.name) for space in (workspace.install, workspace.build)
         )
@@ -157,7 +156,7 @@ def _stale_files(
             share,
             element=package.name,
             message=f"The install space of {package.name} has files that the package no longer "
-            f"installs: {', '.join(stale[:NAMED])}{others}. A fresh build will not have them.",
+            f"installs: {some_of(stale, NAMED)}. A fresh build will not have them.",
             hint=f"If that is intended, remove them (rm -rf {folders}) and build again. Otherwise "
             f"add them to {where}.",
         )

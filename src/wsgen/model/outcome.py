@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import has_errors
 from wsgen.model.engines import RESULT_NAMES
+from wsgen.text.suggestions import some_of
 from wsgen.text.values import dataclass, lazy_pattern
 
 if TYPE_CHECKING:
@@ -236,8 +237,7 @@ def _with_names(group: Sequence[Diagnostic]) -> Diagnostic:
     others = list(labels.values())[1:]
     if not others:
         return group[0]
-    more = f" and {len(others) - NAMED} more" if len(others) > NAMED else ""
-    same = f"The same holds for {', '.join(others[:NAMED])}{more}."
+    same = f"The same holds for {some_of(others, NAMED)}."
     return replace(group[0], message=f"{group[0].message} {same}")
 
 

@@ -17,6 +17,7 @@ from wsgen.packages.source_shares import may_have_sources
 from wsgen.packages.workspace.layout import BUILD_MARKERS, read_package
 from wsgen.packages.workspace.manifest import RUN_TAGS
 from wsgen.text.files import list_files
+from wsgen.text.suggestions import some_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
@@ -70,11 +71,10 @@ def changed_since_build(share: Path, source: Path) -> Iterator[Diagnostic]:
         and _is_newer(origin, installed)
     }
     if changed := sorted(copies_of):
-        others = f" and {len(changed) - NAMED} more" if len(changed) > NAMED else ""
         copies = "copies are" if changed[1:] else "copy is"
         yield CHANGED_SINCE_BUILD.at(
             source / changed[0],
-            message=f"Changed since the last build: {', '.join(changed[:NAMED])}{others}. "
+            message=f"Changed since the last build: {some_of(changed, NAMED)}. "
             f"The older installed {copies} used.",
             # setuptools compares whole seconds: a build would leave what came with a clone.
             hint="Remove the folders build and install (they are as old as the sources, as in a "

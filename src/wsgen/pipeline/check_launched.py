@@ -30,7 +30,7 @@ from wsgen.launching.simulators import WORLD_SUFFIXES, simulator_kinds
 from wsgen.packages.source_shares import may_have_sources
 from wsgen.packages.workspace.layout import LAUNCH_FILES
 from wsgen.text import yamlfile
-from wsgen.text.files import read_regular, real_path
+from wsgen.text.files import bytes_or_empty, real_path
 from wsgen.text.xmltree import child_text, children
 
 if TYPE_CHECKING:
@@ -184,7 +184,9 @@ def may_publish_joint_states(packages: Iterable[PackageFolder]) -> Callable[[str
             return True
         if package not in known:
             files = _files(folders[package], (".py", ".cpp", ".cc", ".hpp", ".h", ".rs"))
-            known[package] = any(b"JointState" in _bytes(file) for file in files)
+            known[package] = any(
+                b"JointState" in bytes_or_empty(file, SIZE_LIMIT) for file in files
+            )
         return known[package]
 
     return may_publish
@@ -256,7 +258,7 @@ def check_worlds(  # noqa: PLR0913  one of them has a default
         spawned_into: The real paths of worlds that launch files spawn robots into.
     """
     for file in files:
-        if file.suffix not in WORLD_SUFFIXES or b"<world" not in _bytes(file):
+        if file.suffix not in WORLD_SUFFIXES or b"<world" not in bytes_or_empty(file, SIZE_LIMIT):
             continue
         source = load(file, [])
         if source is None:
@@ -317,9 +319,9 @@ def check_texts(
         if file.suffix == ".launch":
             of_ros_1.append(file)
         elif file.name.endswith(LAUNCH_FILES):
-            yield from _check_paths(file, _bytes(file))
+            yield from _check_paths(file, bytes_or_empty(file, SIZE_LIMIT))
         elif file.suffix in {".rviz", ".yaml", ".yml"}:
-            content = _bytes(file)
+            content = bytes_or_empty(file, SIZE_LIMIT)
             yield from _check_frames(file, content, links, known)
             if file.suffix != ".rviz":
                 yield from _check_paths(file, content)
@@ -355,13 +357,6 @@ def _check_frames(
     if known is not None:
         text = content.decode(errors="replace")
         yield from frames.frames_without_links(file, text, links, known)
-
-
-def _bytes(file: Path) -> bytes:
-    try:
-        return read_regular(file, SIZE_LIMIT)
-    except OSError:
-        return b""
 
 
 def _names_world(started: Started) -> bool:

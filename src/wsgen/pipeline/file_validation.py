@@ -27,7 +27,7 @@ from wsgen.pipeline.prepare import (
     share_on_model_path,
 )
 from wsgen.pipeline.requests import SimulationResult
-from wsgen.text.files import irregular_kind, read_regular
+from wsgen.text.files import bytes_or_empty, irregular_kind, read_regular
 from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
@@ -109,10 +109,7 @@ def _files_below(root: Path) -> Iterator[Path]:
 
 def read(file: Path) -> bytes:
     """The content of a file; empty where it cannot be read."""
-    try:
-        return read_regular(file, 4 * TEXT_LIMIT)
-    except (OSError, ValueError):
-        return b""
+    return bytes_or_empty(file, 4 * TEXT_LIMIT)
 
 
 NO_MODEL = Rule(

@@ -22,7 +22,7 @@ from wsgen.packages.source_shares import INSTALLED, may_have_sources, serve_inst
 from wsgen.packages.workspace.layout import find_packages
 from wsgen.packages.workspace.overlay import Overlay, overlay_of
 from wsgen.pipeline.parallel import run_parallel
-from wsgen.text.files import read_regular, real_path
+from wsgen.text.files import bytes_or_empty, real_path
 from wsgen.text.values import dataclass, lazy_pattern
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def find_reached(checked: Iterable[str], packages: Mapping[str, PackageFolder]) 
 
 
 def _sets_environment(package: PackageFolder) -> bool:
-    return _HOOKS in _read(package.path / "CMakeLists.txt")
+    return _HOOKS in bytes_or_empty(package.path / "CMakeLists.txt", SIZE_LIMIT)
 
 
 def texts_below(folder: Path) -> Iterator[tuple[Path, bytes]]:
@@ -86,14 +86,7 @@ def texts_below(folder: Path) -> Iterator[tuple[Path, bytes]]:
         for name in files:
             if os.path.splitext(name)[1].lower() not in _BINARY:  # noqa: PTH122  of many files
                 file = Path(here, name)
-                yield file, _read(file)
-
-
-def _read(file: Path) -> bytes:
-    try:
-        return read_regular(file, SIZE_LIMIT)
-    except OSError:
-        return b""
+                yield file, bytes_or_empty(file, SIZE_LIMIT)
 
 
 @dataclass(frozen=True, kw_only=True)

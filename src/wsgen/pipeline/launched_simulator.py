@@ -29,7 +29,7 @@ from wsgen.launching.simulators import simulator_kinds
 from wsgen.model.target import CLASSIC, SIM
 from wsgen.packages.source_shares import may_have_sources
 from wsgen.packages.workspace.layout import INSTALL_LAYOUT
-from wsgen.text.files import read_regular, real_path
+from wsgen.text.files import bytes_or_empty, real_path
 from wsgen.text.xmltree import Malformed, children, parse
 
 if TYPE_CHECKING:
@@ -151,7 +151,7 @@ def _exports(overlay: Overlay) -> dict[str, list[str]]:
     found: dict[str, list[str]] = {}
     for package in overlay.packages():
         share = overlay.share(package)
-        root = None if share is None else parse(_bytes(share / "package.xml"))
+        root = None if share is None else parse(bytes_or_empty(share / "package.xml", LIMIT))
         if share is None or root is None or isinstance(root, Malformed):
             continue
         for export in children(root, "export"):
@@ -165,7 +165,9 @@ def _exports(overlay: Overlay) -> dict[str, list[str]]:
 def _is_merged(overlay: Overlay) -> bool:
     """Whether all packages of the workspace are built into one prefix."""
     places = (overlay.install, *(one.root / "install" for one in overlay.workspaces))
-    return any(_bytes(place / INSTALL_LAYOUT).strip() == b"merged" for place in places)
+    return any(
+        bytes_or_empty(place / INSTALL_LAYOUT, LIMIT).strip() == b"merged" for place in places
+    )
 
 
 def _is_set_by_hand(kind: str, overlay: Overlay, sources: Iterable[Path]) -> bool:
@@ -182,9 +184,11 @@ def _is_set_by_hand(kind: str, overlay: Overlay, sources: Iterable[Path]) -> boo
     setting = re.compile(rf"(?m)^(?!\s*#).*\b(?:{names})\b".encode())
     plain = re.compile(rf"(?m)^(?!\s*#|\s*ament_\w+_value).*\b(?:{names})\b".encode())
     for folder in folders:
-        has_hooks = any(b"environment_hooks" in _bytes(folder / one) for one in _BUILD_FILES)
+        has_hooks = any(
+            b"environment_hooks" in bytes_or_empty(folder / one, LIMIT) for one in _BUILD_FILES
+        )
         for file in _files(folder):
-            text = _bytes(file)
+            text = bytes_or_empty(file, LIMIT)
             if ".dsv" in file.name:
                 is_set = folder in not_built and setting.search(text) is not None
             else:
@@ -201,13 +205,6 @@ def _files(folder: Path) -> Iterator[Path]:
         for name in files:
             if name.endswith((*_SCRIPTS, ".dsv", ".dsv.in")) or name == "Dockerfile":
                 yield Path(place, name)
-
-
-def _bytes(file: Path) -> bytes:
-    try:
-        return read_regular(file, LIMIT)
-    except OSError:
-        return b""
 
 
 class StartedWorld(NamedTuple):

@@ -60,6 +60,7 @@ from wsgen.model.engines import name_engines
 from wsgen.model.robot import Mesh, Robot
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.text.files import LARGEST_TEXT, read_regular
+from wsgen.text.suggestions import some_of
 from wsgen.text.values import dataclass
 from wsgen.text.xmltree import Malformed, child_text, parse
 
@@ -418,9 +419,8 @@ def name_some(prepared: Sequence[PreparedRobot], engines: Sequence[str]) -> str:
     PyBullet alone goes without saying.
     """
     names = [robot.entity for robot in prepared if robot.can_run and not robot.is_static_model]
-    others = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
     where = f" in {name_engines(engines)}" if tuple(engines) != ("bullet",) else ""
-    return ", ".join(names[:NAMED]) + others + where
+    return some_of(names, NAMED) + where
 
 
 def complete_meshes(

@@ -29,6 +29,7 @@ from wsgen.templating.render_apart import render_tree_apart
 from wsgen.templating.spec import make_spec, show
 from wsgen.templating.write import write_package
 from wsgen.text import tomlfile
+from wsgen.text.suggestions import some_of
 from wsgen.text.xmltree import Malformed, parse
 
 if TYPE_CHECKING:
@@ -203,5 +204,4 @@ def _gather(found: dict[Case, tuple[Diagnostic, ...]]) -> tuple[Diagnostic, ...]
 
 
 def _list(names: list[str]) -> str:
-    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-    return f"for {', '.join(names[:NAMED])}{more}"
+    return f"for {some_of(names, NAMED)}"

@@ -270,6 +270,14 @@ def read_regular_text(path: Path, limit: int = LARGEST_TEXT, *, errors: str = "s
     return read_whole(path, limit).decode("utf-8", errors).replace("\r\n", "\n")
 
 
+def bytes_or_empty(path: Path, limit: int) -> bytes:
+    """Read a byte more than the limit at most, as `read_regular`; none if it cannot be read."""
+    try:
+        return read_regular(path, limit)
+    except (OSError, ValueError):  # a name with a null byte
+        return b""
+
+
 def read_or_empty(path: Path) -> str:
     """Read the text; empty if the file cannot be read."""
     try:

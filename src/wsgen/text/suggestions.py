@@ -128,9 +128,7 @@ def suggest(name: str, known: Collection[str]) -> str:
         return did_you_mean(*near)
     if not known:
         return "Check the spelling: no name is known."
-    names = sorted(known)
-    more = f" and {len(names) - MOST_LISTED} more" if len(names) > MOST_LISTED else ""
-    return f"Known: {', '.join(names[:MOST_LISTED])}{more}."
+    return f"Known: {some_of(sorted(known), MOST_LISTED)}."
 
 
 def _similar(name: str, known: Iterable[str], most: int, cutoff: float) -> list[str]:
@@ -149,6 +147,11 @@ def some_of(names: Sequence[str], most: int = 3) -> str:
     """The names on one line; of many, the first few and the number of the others."""
     listed = ", ".join(names[:most])
     return f"{listed} and {len(names) - most} more" if len(names) > most else listed
+
+
+def some_named(names: Iterable[str], most: int = 3) -> str:
+    """The same, of names as they are quoted in messages."""
+    return some_of([f"`{name}`" for name in names], most)
 
 
 _SUGGESTED = re.compile(r"Did you mean (?:`([^`]+)`|<([^>]+)>)\?")

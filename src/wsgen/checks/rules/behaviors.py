@@ -14,7 +14,7 @@ from wsgen.checks.rules.runs import BEHAVIOR_EXPLODES, HEADING_NOT_REACHED, POSI
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.behavior import ELEMENT, Drive, LaunchTask, Reach
 from wsgen.model.robot import LITTLE_GRIP, JointType
-from wsgen.text.suggestions import ask_for_nearest
+from wsgen.text.suggestions import ask_for_nearest, some_named, some_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -66,8 +66,7 @@ def check_live(
     found = _check_measured(behavior, task, measured, file)
     if not left_out:
         return found
-    more = f" and {len(left_out) - NAMED} more" if len(left_out) > NAMED else ""
-    named = f"Skipped in the run: {', '.join(left_out[:NAMED])}{more}."
+    named = f"Skipped in the run: {some_of(left_out, NAMED)}."
     return tuple(replace(one, hint=f"{one.hint} {named}" if one.hint else named) for one in found)
 
 
@@ -309,7 +308,7 @@ def joints_not_reached(
                 f"{name} is at {_short(position)} (not {task.positions[name]:g})"
                 for name, position in missed.items()
             ],
-            quote="",
+            NAMED,
         )
         yield error_about(
             JOINT_NOT_REACHED,
@@ -448,7 +447,8 @@ def unknown_behavior_joint(
             if mimics is None
             else f"the joint `{name}` follows `{mimics}` and takes no commands.",
             f"{ask_for_nearest(name, names)}"
-            f"Joints that {'are measured' if is_measured else 'take commands'}: {some_of(names)}."
+            f"Joints that {'are measured' if is_measured else 'take commands'}: "
+            f"{some_named(names, NAMED)}."
             if names
             else "Give the robot revolute, continuous or prismatic joints.",
         )
@@ -561,12 +561,6 @@ def _size(drive: DiffDrive, radius: float) -> str:
     if drive.simulator == "classic":
         return f"wheel_diameter = {2 * radius:.3g} m"
     return f"wheel_radius = {radius:.3g} m"
-
-
-def some_of(names: Sequence[str], quote: str = "`") -> str:
-    """The first few, in words."""
-    first = ", ".join(f"{quote}{name}{quote}" for name in names[:NAMED])
-    return first + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")
 
 
 def _short(number: float) -> str:

@@ -19,6 +19,7 @@ from wsgen.model.engines import name_engines
 from wsgen.model.robot import Cylinder, JointType, Sphere
 from wsgen.model.target import CLASSIC
 from wsgen.model.transform import IDENTITY, compose, rotate, rotation_of_rpy, transpose
+from wsgen.text.suggestions import some_named
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -455,13 +456,12 @@ def friction_without_direction(robot: Robot, engines: Sequence[str]) -> Iterator
         if any(_is_directed(collision.surface) for collision in link.collisions)
     ]
     if lacking and wheels:
-        more = f" and {len(wheels) - 1} more" if len(wheels) > 1 else ""
-        wheels_have = "have" if more else "has"
+        wheels_have = "have" if wheels[1:] else "has"
         has = "has" if len(lacking) == 1 else "have"
         yield NO_FRICTION_DIRECTION.at(
             None,
             message=f"{name_engines(lacking)} {has} no friction directions (<fdir1>), which "
-            f"`{wheels[0]}`{more} of `{robot.name}` {wheels_have}: the robot does not drive "
+            f"{some_named(wheels, 1)} of `{robot.name}` {wheels_have}: the robot does not drive "
             "sideways.",
             hint="Simulate it with --engine mujoco (pip install 'wsgen[mujoco]').",
         )

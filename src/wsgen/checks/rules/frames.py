@@ -15,7 +15,7 @@ from wsgen.launching.commands import started_launch_files, started_programs
 from wsgen.launching.descriptions import PUBLISHER
 from wsgen.launching.simulators import simulator_kinds
 from wsgen.model.target import CLASSIC, SIM
-from wsgen.text.suggestions import did_you_mean, nearest, some_of
+from wsgen.text.suggestions import did_you_mean, nearest, some_named
 from wsgen.text.values import lazy_pattern
 from wsgen.text.xmltree import child_texts, children
 
@@ -248,7 +248,7 @@ def no_joint_states(
                 node.line,
                 node.name or node.executable,
                 message="No node publishes the states of "
-                f"{some_of([f'`{name}`' for name in missing])} on {topic}: robot_state_publisher "
+                f"{some_named(missing)} on {topic}: robot_state_publisher "
                 "does not publish their transforms"
                 + (', and RViz shows "No transform".' if shows else "."),
                 hint=_what_to_do(plugins, kinds, topic, has_bridge=is_bridged),

@@ -23,7 +23,7 @@ from wsgen.model.robot import (
     Triangulated,
 )
 from wsgen.model.transform import IDENTITY, compose
-from wsgen.text.suggestions import some_of
+from wsgen.text.suggestions import some_named
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Sequence
@@ -520,7 +520,7 @@ def massless_root(
             root.line,
             f"link[@name='{root.name}']",
             message=f"The root link `{root.name}` has no mass: Gazebo lumps "
-            f"{some_of([f'`{name}`' for name in lumped])} into it and calls the body "
+            f"{some_named(lumped)} into it and calls the body "
             f"`{root.name}`. The robot weighs {robot_mass:.4g} kg.",
             hint=f"Keep `{root.name}`: Nav2 and robot_state_publisher expect such a link. Where a "
             f"Gazebo plugin names a link, write `{root.name}` instead of `{fixed[0].child}`.",

@@ -15,6 +15,7 @@ from wsgen.diagnostics import Rule, Severity
 from wsgen.model.engines import GAZEBO, RESULT_NAMES, name_engines
 from wsgen.model.robot import JointType
 from wsgen.model.transform import angle_between
+from wsgen.text.suggestions import some_named, some_of
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -368,12 +369,10 @@ def unactuated_joints_move(
     if not travel:
         return
     farthest = sorted(travel, key=lambda name: travel[name], reverse=True)
-    names = ", ".join(f"`{name}`" for name in farthest[:NAMED])
-    names += f" and {len(farthest) - NAMED} more" if len(farthest) > NAMED else ""
     yield UNACTUATED_JOINTS_MOVE.at(
         None,
         element=entity,
-        message=f"Gravity moves joints that are not actuated: {names}"
+        message=f"Gravity moves joints that are not actuated: {some_named(farthest, NAMED)}"
         + (" (still moving at the end)." if is_moving else "."),
         hint="Start controllers that hold these joints; without them the same happens in Gazebo.",
     )
@@ -595,9 +594,7 @@ def leans(
     """
     if not LEANING < tilt <= TIPPED:
         return
-    named = ", ".join(f"`{name}`" for name in touching[:MOST_NAMED])
-    more = f" and {len(touching) - MOST_NAMED} more" if len(touching) > MOST_NAMED else ""
-    stands = f" It rests on {named}{more}." if touching else ""
+    stands = f" It rests on {some_named(touching, MOST_NAMED)}." if touching else ""
     high = max(touching, key=lambda name: heights.get(name, 0.0), default=None)
     hint = "Check that the lowest points of all wheels and casters are at the same height."
     if high is not None and heights.get(high, 0.0) > UNEVEN:
@@ -703,15 +700,14 @@ def overlapping_links(
         if found.other_entity is None and {found.link, found.other_link} <= set(collide)
     ]
     if inside:
-        pairs = ", ".join(
+        pairs = [
             f"`{found.link}` in `{found.other_link}` ({found.depth:.3f} m)"
-            for found in sorted(inside, key=lambda found: -found.depth)[:NAMED]
-        )
-        pairs += f" and {len(inside) - NAMED} more" if len(inside) > NAMED else ""
+            for found in sorted(inside, key=lambda found: -found.depth)
+        ]
         yield OVERLAPPING_LINKS.at(
             None,
             element=entity,
-            message=f"Links with <selfCollide> overlap at the spawn: {pairs}.",
+            message=f"Links with <selfCollide> overlap at the spawn: {some_of(pairs, NAMED)}.",
             hint="Make their collision shapes smaller, or remove <selfCollide>.",
         )
 

@@ -12,6 +12,7 @@ from wsgen.descriptions.urdf.lumping import that_stay
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.engines import name_engines
 from wsgen.model.world import World
+from wsgen.text.suggestions import some_named
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -158,12 +159,11 @@ def settings_not_simulated(
         tag = next((tag for tag in tags if tag.reference == names[0]), next(iter(tags), None))
         lines = {link.name: link.line for link in lumped.links}
         lines |= {joint.name: joint.line for joint in lumped.joints}
-        of_others = f" and {len(names) - 1} more" if names[1:] else ""
         yield SETTING_NOT_SIMULATED.at(
             file,
             lines[names[0]] if tag is None else tag.line,
             names[0] if tag is None else f"gazebo[@reference='{tag.reference}']",
-            message=_message(setting, lacking, f"`{names[0]}`{of_others} of `{written.name}`"),
+            message=_message(setting, lacking, f"{some_named(names, 1)} of `{written.name}`"),
             hint=_hint(setting),
         )
 

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from wsgen.text.suggestions import some_named
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
@@ -63,11 +65,10 @@ def check_part(part: str, parts: Iterable[str]) -> None:
     named = sorted(set(parts))
     if part in named:
         return
-    some = ", ".join(f"`{name}`" for name in named[:MOST_PARTS])
-    more = f" and {len(named) - MOST_PARTS} more" if len(named) > MOST_PARTS else ""
+    some = some_named(named, MOST_PARTS)
     raise BrokenMeshError(
         f"has no part `{part}`, which <submesh> names: Gazebo does not create it",
-        hint=f"Write the name of one of its parts: {some}{more}."
+        hint=f"Write the name of one of its parts: {some}."
         if some
         else "Remove <submesh>: the parts of the file have no names.",
     )

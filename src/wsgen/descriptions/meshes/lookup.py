@@ -14,7 +14,7 @@ from wsgen.descriptions.rules import MISSING_COLLISION_MESH, MISSING_VISUAL_MESH
 from wsgen.model.robot import Mesh, Robot
 from wsgen.text.files import after_scheme, irregular_kind
 from wsgen.text.markup import read_text
-from wsgen.text.suggestions import did_you_mean, misspelled_as
+from wsgen.text.suggestions import did_you_mean, misspelled_as, some_named
 from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
@@ -277,12 +277,10 @@ class _Search:
                 continue
             first, *_ = [self.diagnostics.pop(key) for key in keys]
             kind = "visual" if is_visual else "collision"
-            named = ", ".join(f"`{uri}`" for uri in meshes[:MANY])
-            more = f" and {len(meshes) - MANY} more" if len(meshes) > MANY else ""
             yield replace(
                 first,
                 message=f"The folder {folder} of {len(meshes)} {kind} meshes of the robot does not "
-                f"exist: {named}{more}.",
+                f"exist: {some_named(meshes, MANY)}.",
                 hint="Add the folder to the package, and check that it is committed to git and "
                 "installed by CMakeLists.txt; or correct its name in the paths of the meshes.",
             )

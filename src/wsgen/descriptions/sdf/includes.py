@@ -20,7 +20,7 @@ from wsgen.descriptions.sdf.lookup import (
 from wsgen.descriptions.sdf.source import load, parse_text, with_version
 from wsgen.diagnostics import Rule, Severity
 from wsgen.text.files import after_scheme, irregular_kind
-from wsgen.text.suggestions import did_you_mean, nearest
+from wsgen.text.suggestions import did_you_mean, nearest, some_of
 from wsgen.text.xmltree import children
 
 if TYPE_CHECKING:
@@ -252,11 +252,9 @@ class Includes:
         ):
             if models:
                 source, element = next(iter(models.values()))
-                names = list(models)
-                more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
                 source.report(
                     rule,
-                    f"{what}: {', '.join(names[:MOST_NAMED])}{more}. The simulation lacks them.",
+                    f"{what}: {some_of(list(models), MOST_NAMED)}. The simulation lacks them.",
                     at=element,
                     hint=hint,
                     severity=severity,

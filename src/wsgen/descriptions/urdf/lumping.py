@@ -28,6 +28,7 @@ from wsgen.model.inertia import (
 )
 from wsgen.model.robot import Inertial, Joint, JointType, Link
 from wsgen.model.transform import IDENTITY, Pose, compose
+from wsgen.text.suggestions import some_named
 from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
@@ -617,9 +618,9 @@ def _dropped_by_old_sdformat(
                 f"link[@name='{massless}']",
                 message=f"`{massless}` has no mass, and sdformat before 9.10.1, 12.7.2 and "
                 "13.5 (Debian 12 and Ubuntu 22.04 have such) drops the links on its movable "
-                f"joints: {_named(lost)}, {mass:.4g} kg.",
+                f"joints: {some_named(lost, NAMED)}, {mass:.4g} kg.",
                 hint=f"Add an <inertial> with a small mass to `{massless}`, or attach "
-                f"{_named(lost[:1])} to `{name}`.",
+                f"{some_named(lost[:1], NAMED)} to `{name}`.",
             )
 
 
@@ -682,7 +683,7 @@ def _dropped_message(robot: Robot, bodies: Mapping[str, Body], name: str, blamed
     if blamed.name != name:
         why += f", and `{name}`, which a fixed joint attaches it to, has no mass either"
     below = [link for link in _below(bodies, name) if link != blamed.name]
-    names_below = _named(below)
+    names_below = some_named(below, NAMED)
     if name == robot.root:
         message = f"Gazebo refuses the robot: its root link {why}"
         if blamed.name != name:
@@ -711,12 +712,6 @@ def _lacks_mass(body: Body) -> Link:
         (part for part in parts if part.inertial is not None),
         next((part for part in parts if part.collisions or part.visuals), parts[0]),
     )
-
-
-def _named(names: Sequence[str]) -> str:
-    """The names; of many, the first few."""
-    listed = ", ".join(f"`{name}`" for name in names[:NAMED])
-    return listed + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")
 
 
 def _two_zero_masses(robot: Robot, body: Body, file: Path | None) -> Iterator[Diagnostic]:

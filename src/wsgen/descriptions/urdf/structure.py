@@ -22,7 +22,7 @@ from wsgen.descriptions.urdf.unknown_elements import nearest_element
 from wsgen.diagnostics import Measured, Rule, Severity
 from wsgen.model.inertia import as_attributes, if_filled, principal_moments
 from wsgen.model.robot import JointType
-from wsgen.text.suggestions import did_you_mean
+from wsgen.text.suggestions import did_you_mean, some_named
 from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
@@ -125,7 +125,8 @@ def find_root(
     _report_cycle(collector, parent_of)
     if len(roots) > 1 and len(collector.errors) == before:
         roots.sort(key=lambda root: -_size_below(root, parent_of))
-    many = f"{len(roots)} links have no parent ({_some(roots)}): a robot has exactly one root."
+    named = some_named(roots, NAMED)
+    many = f"{len(roots)} links have no parent ({named}): a robot has exactly one root."
     if len(roots) > 1 and not collector.blame_misspelled(robot, "joint", many):
         collector.report(
             SEVERAL_ROOTS,
@@ -194,18 +195,13 @@ def _report_cycle(collector: Collector, parent_of: dict[str, tuple[Joint, Elemen
             joint, element = parent_of[link]
             collector.report(
                 LINK_CYCLE,
-                f"The links form a cycle: {_some(cycle)}, and back to `{cycle[0]}`.",
+                f"The links form a cycle: {some_named(cycle, NAMED)}, and back to `{cycle[0]}`.",
                 hint="Remove the joint that closes the cycle: a URDF is a tree.",
                 at=element,
                 path=f"joint[@name='{joint.name}']",
             )
             return
         harmless.update(way)
-
-
-def _some(names: Sequence[str]) -> str:
-    listed = ", ".join(f"`{name}`" for name in names[:NAMED])
-    return listed if len(names) <= NAMED else f"{listed} and {len(names) - NAMED} more"
 
 
 def check_names(collector: Collector, robot: Robot, line_of_robot: int | None) -> None:

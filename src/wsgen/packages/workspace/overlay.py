@@ -23,7 +23,7 @@ from wsgen.packages.workspace.layout import (
     with_surroundings,
 )
 from wsgen.text.files import read_regular_text
-from wsgen.text.suggestions import advice, suggest
+from wsgen.text.suggestions import advice, some_of, suggest
 from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
@@ -129,11 +129,10 @@ class Overlay:
         self, names: Sequence[str], why: str, hint: str, severity: Severity | None = None
     ) -> Iterator[Diagnostic]:
         if names:
-            more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
             folders = "Source folders are" if len(names) > 1 else "Its source folder is"
             yield SOURCE_USED.at(
                 self.sources[names[0]] if len(names) == 1 else None,
-                message=f"{why}: {', '.join(names[:NAMED])}{more}. "
+                message=f"{why}: {some_of(names, NAMED)}. "
                 f"{folders} used as share folder{'s' if len(names) > 1 else ''}.",
                 hint=hint,
                 severity=severity,
