@@ -51,6 +51,7 @@ LONGEST = (
     "test_matrix.py",
     "isolation/test_run.py",
     "ros/test_nodes.py",
+    "porting/test_proof.py",
     "building/test_failures.py",
     "simulation/test_rest_poses.py",
     "test_interpreters.py",  # installs what the first one resolves

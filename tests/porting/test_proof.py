@@ -353,7 +353,57 @@ PLANAR = """<gazebo>
       <odometry_frame>odom</odometry_frame><robot_base_frame>base</robot_base_frame>
     </plugin>
   </gazebo>"""
-ON_PLANE = {**CLASSIC, "urdf/cart.urdf": URDF.format(plugins=PLANAR)}
+SLIPPERY = "".join(
+    f'<gazebo reference="{side}"><mu1>0.01</mu1><mu2>0.01</mu2></gazebo>'
+    for side in ("left", "right")
+)
+ON_PLANE = {**CLASSIC, "urdf/cart.urdf": URDF.format(plugins=f"{PLANAR}{SLIPPERY}")}
+NODE = """
+import rclpy
+from geometry_msgs.msg import Twist
+
+
+def go(publisher):
+    message = Twist()
+    message.linear.x, message.angular.z = 0.2, 0.3
+    publisher.publish(message)
+
+
+def main():
+    rclpy.init()
+    node = rclpy.create_node('mover')
+    publisher = node.create_publisher(Twist, 'cmd_vel', 10)
+    node.create_timer(0.05, lambda: go(publisher))
+    rclpy.spin(node)
+"""
+SETUP = """
+from glob import glob
+from setuptools import setup
+
+setup(
+    name='cart',
+    packages=['cart'],
+    data_files=[
+        ('share/ament_index/resource_index/packages', ['resource/cart']),
+        ('share/cart', ['package.xml']),
+        ('share/cart/launch', glob('launch/*')),
+        ('share/cart/urdf', glob('urdf/*')),
+    ],
+    entry_points={'console_scripts': ['mover = cart.mover:main']},
+)
+"""
+WITH_A_NODE = {
+    **{name: text for name, text in CLASSIC.items() if name != "CMakeLists.txt"},
+    "package.xml": CLASSIC["package.xml"].replace("ament_cmake", "ament_python"),
+    "setup.py": SETUP,
+    "setup.cfg": "[install]\ninstall_scripts=$base/lib/cart\n",
+    "resource/cart": "",
+    "cart/__init__.py": "",
+    "cart/mover.py": NODE,
+    "launch/sim.launch.py": CLASSIC["launch/sim.launch.py"].replace(
+        "'-z', '0.05']),", "'-z', '0.05']),\n        Node(package='cart', executable='mover'),"
+    ),
+}
 
 
 def on_circle(seconds: float, *, speed: float, turning: float) -> TimeSeries:
@@ -405,6 +455,17 @@ def test_other_drives_are_run_with_their_launch_file(tmp_path: Path) -> None:
     (robot,) = measure(find_targets([package]), ENVIRONMENT, None, clock, lacks).robots
     assert robot.ways == {}
     assert robot.problem_live == "There is no ROS."
+
+
+@pytest.mark.slow
+def test_own_nodes_that_drive_a_robot_do_it_after_the_port(tmp_path: Path) -> None:
+    targets = find_targets([written(tmp_path / "src" / "cart", WITH_A_NODE)])
+    plan = plan_port(targets, JAZZY, ENVIRONMENT)
+    environment = {**os.environ, **ENVIRONMENT}
+    found = prove_port(targets, JAZZY, environment, lambda: plan, run_live=run_live)
+    assert [row for row in found.rows if not row.is_same] == []
+    (way,) = (row for row in found.rows if row.aspect == "driven by its nodes")
+    assert float(way.before.split()[0]) == pytest.approx(0.8, rel=0.05)
 
 
 @pytest.mark.slow
@@ -547,7 +608,7 @@ def test_bounds_of_what_is_the_same(
 
 def test_what_was_not_run_proves_nothing() -> None:
     lacking = replace(CART, ways={}, problem_live="There is no ROS.")
-    assert differing(lacking, CART) == [("drive live", "not driven: There is no ROS.", "", None)]
+    assert differing(lacking, CART) == [("live run", "not run: There is no ROS.", "", None)]
     old, new = (replace(CART, ways={"drive live": (x, 0.0, 1.0)}) for x in (1.0, 0.9))
     way = "1.000 0.000 m, 1.000 rad"
     assert differing(old, new) == [("drive live", way, "0.900 0.000 m, 1.000 rad", False)]
@@ -556,6 +617,18 @@ def test_what_was_not_run_proves_nothing() -> None:
     assert differing(old, lacking) == [
         ("drive live", way, "not driven: There is no ROS.", False),
     ]
+
+
+@pytest.mark.parametrize(("is_repeated", "is_same"), [(True, False), (False, None)])
+def test_nodes_that_differ_from_run_to_run_prove_nothing(
+    is_repeated: bool, is_same: bool | None
+) -> None:
+    old, new = (
+        replace(CART, ways={"driven by its nodes": (x, 0.0, 1.0)}, is_repeated=is_repeated)
+        for x in (1.0, 0.9)
+    )
+    assert [row[3] for row in differing(old, new)] == [is_same]
+    assert differing(old, old) == []
 
 
 def test_what_was_not_simulated_proves_nothing() -> None:

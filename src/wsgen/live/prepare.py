@@ -359,6 +359,8 @@ def _live_scene(
 ) -> LiveScene:
     """What the simulator reads."""
     engine = request.prepared_as.engines[0]
+    if request.prepared_as.physics is not None:
+        world = replace(world, simulator=request.prepared_as.physics)
     return LiveScene(
         scene=Scene(world=world, robots=spawned_robots(robots), engine=engine),
         simulator=_kind_of(subject),

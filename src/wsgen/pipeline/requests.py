@@ -96,6 +96,9 @@ class ValidateRequest:
     samples: int = 0  # of how each robot moves, over the simulated time and in each behavior
     is_viewed: bool = False  # the robots are shown, in a browser
     is_live: bool = False  # their sensors and plugins work, for ROS
+    physics: str | None = (
+        None  # of a live run: as that simulator's, "classic" or "gz"; None: its own
+    )
     # Runs the launch file for behaviors that ask for it (`wsgen.live.behaviors`), if anything does.
     run_live: RunLive | None = None
 

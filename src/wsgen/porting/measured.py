@@ -5,16 +5,18 @@ Nothing is built: install spaces are laid out with links to the sources.
 
 from __future__ import annotations
 
+import math
 from cmath import phase
 from contextlib import contextmanager
 from dataclasses import replace
 from itertools import pairwise
+from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.rules.node_topics import STAMPED, TWIST
 from wsgen.descriptions.sdf.worlds import default_world
 from wsgen.diagnostics import has_errors
-from wsgen.errors import WsgenError
+from wsgen.errors import RequestError, WsgenError
 from wsgen.isolation.parent import make_part, make_scratch
 from wsgen.launching.simulators import kind_of_project
 from wsgen.model.behavior import Behavior, BehaviorRun, Drive, LaunchTask
@@ -33,7 +35,7 @@ from wsgen.text.files import remembering
 from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.isolation.parent import Run
@@ -48,12 +50,24 @@ if TYPE_CHECKING:
     from wsgen.pipeline.requests import RunLive
 
 
+Way = tuple[float, float, float]  # m, m, rad
+# What stays the same: the share of a way; a shorter one than this, in m or rad, counts as long.
+SHARE, LEAST_WAY = 0.05, 0.2
 # What drives show: in m/s and rad/s, each for so many seconds.
 DRIVES = {"drive ahead": Drive(linear=0.3), "turn": Drive(angular=0.5)}
 SECONDS = 3.0
 # How other drives are tried: the launch file runs, with the same command all the time. What a robot
 # does before it has come to its speed depends on when the command comes.
 LIVE, _SECONDS_LIVE, _STEADY_AFTER = "drive live", 6.0, 2.0
+NODES = "driven by its nodes"  # likewise, without that command
+# A program that a build makes of an entry point of setup.py.
+_PROGRAM = """\
+#!/usr/bin/env python3
+import sys
+sys.path.insert(0, {folder!r})
+from {module} import {function}
+sys.exit({function}())
+"""
 _STEP = 5  # samples, over which it is seen where it goes
 _STANDS = 0.02  # m
 _COMMAND = "{linear: {x: 0.3}, angular: {z: 0.3}}"
@@ -89,9 +103,11 @@ class Measured:
     topics: frozenset[RosTopic]
     rest: Pose | None = None  # in the world, of the root link; None: it was not simulated
     # Where it got, seen from where it began: m, m, rad, by what it did.
-    ways: Mapping[str, tuple[float, float, float]]
+    ways: Mapping[str, Way]
     problem: str = ""  # why it was not simulated
     problem_live: str = ""  # why it was not driven with its launch file
+    # Whether its nodes did the same twice; None: it was tried once.
+    is_repeated: bool | None = None
     is_left_out: bool = False  # it was simulated for other launch files
 
 
@@ -162,12 +178,14 @@ def find_spawners(targets: Targets, environment: Mapping[str, str]) -> Spawners:
         return Spawners(plugins, bool(found.launches), found.problems)
 
 
-def measure(
+def measure(  # noqa: PLR0913  two have defaults
     targets: Targets,
     environment: Mapping[str, str],
     distro: str | None,
     clock: Clock,
     run_live: RunLive | None = None,
+    *,
+    repeats: bool = False,
 ) -> Side:
     """Simulate the robots that the launch files of packages spawn.
 
@@ -178,6 +196,7 @@ def measure(
         clock: Posts each simulation.
         run_live: Runs a launch file; without it, robots with other drives than a differential one
             are not driven.
+        repeats: Whether to run nodes that drive a robot twice.
     """
     robots: list[Measured] = []
     simulated: dict[tuple[str, str], list[tuple[PreparedRobot, str | None, Measured]]] = {}
@@ -191,7 +210,8 @@ def measure(
             name = candidate.file.name
             with make_part(found.folder) as folder, clock.step("simulate", name) as step:
                 launch = _Launch(check, candidate, folder, found.run)
-                measured = [*launch.robots(None if any(known) else run_live)]
+                live = _Live(launch, run_live, is_new=not any(known), repeats=repeats)
+                measured = [*launch.robots(live)]
                 if not measured and launch.errors:
                     problem = check.installed.text(launch.errors[0])
                     found.problems.setdefault(name, problem)
@@ -240,7 +260,7 @@ class _Launch:
         self.kind = self.validation.simulator_kind
         self.errors = [one.message for one in self.validation.diagnostics if has_errors((one,))]
 
-    def robots(self, run_live: RunLive | None) -> Iterator[tuple[PreparedRobot, Measured]]:
+    def robots(self, live: _Live) -> Iterator[tuple[PreparedRobot, Measured]]:
         """Simulate, and measure."""
         outcomes = {} if self.world is None else self._simulate(self.world)
         name = None if self.validation.world_file is None or not self.world else self.world.name
@@ -257,10 +277,7 @@ class _Launch:
                 for drive in DRIVES
                 if (way := moved.get(_behavior_name(drive, one.entity))) is not None
             }
-            problem = ""
-            if run_live is not None and one.drive is None and rest is not None:
-                way, problem = self._drive_live(run_live, one.entity, topics)
-                ways |= {} if way is None else {LIVE: way}
+            driven = _Driven() if rest is None else live.drive(one, topics)
             yield (
                 one,
                 Measured(
@@ -272,36 +289,12 @@ class _Launch:
                     mass=sum(link.inertial.mass for link in one.written.links if link.inertial),
                     topics=topics,
                     rest=rest,
-                    ways=ways,
+                    ways={**ways, **driven.ways},
                     problem=self.check.installed.text(self.errors[0]) if self.errors else "",
-                    problem_live=problem,
+                    problem_live=driven.problem,
+                    is_repeated=driven.is_repeated,
                 ),
             )
-
-    def _drive_live(
-        self, run_live: RunLive, entity: str, topics: Iterable[RosTopic]
-    ) -> tuple[tuple[float, float, float] | None, str]:
-        """The way of a robot with its launch file, or why there is none; nothing undriven."""
-        words = [
-            (one.name, one.type, _COMMANDS[one.type])
-            for one in sorted(topics)
-            if one.type in _COMMANDS and not one.is_published
-        ]
-        if not words or self.candidate.started.simulator is None:
-            return None, ""
-        file = self.folder / "driven.launch.py"
-        file.write_text(_LAUNCH.format(file=str(self.candidate.file), words=words))
-        selected = SelectedLaunchFile(file, None, (), None, self.check.overlay)
-        behavior = Behavior(name=LIVE, task=LaunchTask(), seconds=_SECONDS_LIVE, robot=entity)
-        request = replace(_REQUEST, samples=round(_SECONDS_LIVE * 10))
-        try:
-            found = run_live(selected, request, [BehaviorRun(entity=entity, behavior=behavior)])
-        except WsgenError as error:
-            return None, error.message
-        measured = found[LIVE]
-        if measured.problem or measured.time_series is None:
-            return None, measured.problem or f"`{entity}` has not come into the world."
-        return _steady_way(measured.time_series), ""
 
     def _simulate(self, world: World) -> dict[str, RobotOutcome]:
         driven = [one.entity for one in self.scene if one.drive is not None]
@@ -327,7 +320,97 @@ class _Launch:
         return {one.entity: one for one in simulated.robots}
 
 
-def _steady_way(series: TimeSeries) -> tuple[float, float, float]:
+class _Driven(NamedTuple):
+    """What a robot did while its launch file ran."""
+
+    ways: Mapping[str, Way] = MappingProxyType({})
+    problem: str = ""
+    is_repeated: bool | None = None
+
+
+class _Live:
+    """Runs a launch file for the robots in its world."""
+
+    def __init__(
+        self, launch: _Launch, run_live: RunLive | None, *, is_new: bool, repeats: bool
+    ) -> None:
+        self._launch = launch
+        self._run_live = run_live
+        self._is_new = is_new
+        self._repeats = repeats
+
+    def drive(self, robot: PreparedRobot, topics: Iterable[RosTopic]) -> _Driven:
+        """Drive a robot that has a drive of another kind, and look where own nodes drive one."""
+        started = self._launch.candidate.started
+        words = [
+            (one.name, one.type, _COMMANDS[one.type])
+            for one in sorted(topics)
+            if one.type in _COMMANDS and not one.is_published
+        ]
+        if self._run_live is None or not words or started.simulator is None:
+            return _Driven()
+        ways: dict[str, Way] = {}
+        is_repeated = None
+        try:
+            if self._is_new and robot.drive is None:
+                ways[LIVE] = self._run(self._run_live, robot.entity, words)
+            if self._make_programs():
+                way = self._run(self._run_live, robot.entity, ())
+                ways |= {NODES: way} if any(way) else {}
+                if any(way) and self._repeats:
+                    again = self._run(self._run_live, robot.entity, ())
+                    is_repeated = difference(way, again) < SHARE / 2
+        except WsgenError as error:
+            return _Driven(ways, error.message, is_repeated)
+        return _Driven(ways, "", is_repeated)
+
+    def _make_programs(self) -> bool:
+        """Write the own programs that the launch file starts, where that is simple; whether any."""
+        processes = self._launch.candidate.started.plan.processes
+        installed = self._launch.check.installed
+        is_any = False
+        for process in processes:
+            facts = installed.facts.get(process.package or "")
+            for one in facts.executables if facts else ():
+                if one.name != process.executable:
+                    continue
+                is_any |= one.source is not None or one.entry_point is not None
+                place = installed.folder / "lib" / (process.package or "") / one.name
+                if one.entry_point is not None and place.is_symlink():
+                    module, _, function = one.entry_point.partition(":")
+                    place.unlink()
+                    folder = str(one.file.parent)
+                    text = _PROGRAM.format(folder=folder, module=module, function=function)
+                    place.write_text(text, encoding="utf-8")
+                    place.chmod(0o755)
+        return is_any
+
+    def _run(self, run_live: RunLive, entity: str, words: Sequence[tuple[str, ...]]) -> Way:
+        """The way of a robot.
+
+        Raises:
+            WsgenError: It cannot be run here, or something failed.
+        """
+        file = self._launch.folder / "driven.launch.py"
+        own = str(self._launch.candidate.file)
+        file.write_text(_LAUNCH.format(file=own, words=words), encoding="utf-8")
+        selected = SelectedLaunchFile(file, None, (), None, self._launch.check.overlay)
+        behavior = Behavior(name=LIVE, task=LaunchTask(), seconds=_SECONDS_LIVE, robot=entity)
+        request = replace(_REQUEST, samples=round(_SECONDS_LIVE * 10), physics=SIM)
+        found = run_live(selected, request, [BehaviorRun(entity=entity, behavior=behavior)])[LIVE]
+        if found.problem or found.time_series is None:
+            problem = found.problem or f"`{entity}` has not come into the world."
+            raise RequestError(problem, hint="Run `wsgen launch --run`, which shows more.")
+        return _steady_way(found.time_series)
+
+
+def difference(way: Way, other: Way) -> float:
+    """By which share one way differs from another; a short one counts as longer."""
+    away, turned = math.dist(way[:2], other[:2]), abs(way[2] - other[2])
+    return max(away / max(math.hypot(*way[:2]), LEAST_WAY), turned / max(abs(way[2]), LEAST_WAY))
+
+
+def _steady_way(series: TimeSeries) -> Way:
     """How far a robot goes and turns in the time after it has come to its speed: m, 0, rad."""
     points = [
         (seconds, complex(*xyz[:2]))
@@ -336,16 +419,17 @@ def _steady_way(series: TimeSeries) -> tuple[float, float, float]:
     ][::_STEP]
     steps = [(end[0] - begin[0], end[1] - begin[1]) for begin, end in pairwise(points)]
     length = sum(abs(step) for _, step in steps)
-    if length < _STANDS or not all(step for _, step in steps):
+    if length < _STANDS:
         return 0.0, 0.0, 0.0
-    turn = sum(phase(after / before) for (_, before), (_, after) in pairwise(steps))
+    going = [(seconds, step) for seconds, step in steps if abs(step) > _STANDS / len(steps)]
+    turn = sum(phase(after / before) for (_, before), (_, after) in pairwise(going))
     # From the middle of the first step to that of the last one.
-    turned_for = points[-1][0] - points[0][0] - (steps[0][0] + steps[-1][0]) / 2
+    turned_for = points[-1][0] - points[0][0] - (going[0][0] + going[-1][0]) / 2
     seconds = _SECONDS_LIVE - _STEADY_AFTER
     return (
         length / (points[-1][0] - points[0][0]) * seconds,
         0.0,
-        turn / turned_for * seconds,
+        turn / turned_for * seconds if turned_for > 0 else 0.0,
     )
 
 

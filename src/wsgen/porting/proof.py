@@ -22,7 +22,7 @@ from wsgen.model.transform import multiply, rotation_of_rpy, transpose
 from wsgen.packages.workspace.layout import Workspace, find_packages, read_package
 from wsgen.pipeline.clock import Clock
 from wsgen.pipeline.reported import run_git
-from wsgen.porting.measured import LIVE, find_spawners, measure
+from wsgen.porting.measured import LIVE, NODES, SHARE, difference, find_spawners, measure
 from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
@@ -40,7 +40,6 @@ if TYPE_CHECKING:
 
 # What stays the same: m and degrees of the rest pose, the share of a way, and of a mass.
 NEAR, TILTED = 0.005, 1.0
-SHARE, LEAST_WAY = 0.05, 0.2  # the second in m or rad: of a shorter way, it is a share of this
 OF_MASS = 1e-3
 # A type of messages in Gazebo Classic -> that which takes its place in Gazebo Sim.
 _SUCCESSORS = {"gazebo_msgs/ContactsState": "ros_gz_interfaces/Contacts"}
@@ -112,7 +111,8 @@ def prove_port(  # noqa: PLR0913  two have defaults
             else:
                 commit, before = _before(targets, environment, scratch)
                 name = f"commit {commit}"
-        old = measure(before, environment, None, Clock("before", listener), run_live)
+        clock = Clock("before", listener)
+        old = measure(before, environment, None, clock, run_live, repeats=True)
         if not old.robots:
             raise _nothing_spawned(old.problems)
         new = measure(after, environment, target.distro, Clock("after", listener), run_live)
@@ -145,7 +145,7 @@ def _ported(targets: Targets, plan: PortPlan, scratch: Path) -> Targets:
                 continue
             # Launch files may look for others beside themselves, wherever a link leads.
             if file.suffix == ".py" and not file.is_symlink():
-                shutil.copyfile(file, place)
+                shutil.copy(file, place)
             else:
                 place.symlink_to(file.resolve())
         for file, data in new.items():
@@ -153,6 +153,8 @@ def _ported(targets: Targets, plan: PortPlan, scratch: Path) -> Targets:
                 place = folder / file.relative_to(package.path)
                 place.parent.mkdir(parents=True, exist_ok=True)
                 place.write_bytes(data)
+                if file.exists():
+                    shutil.copymode(file, place)  # programs stay such
         packages.append(_package_at(folder, package))
     return targets._replace(packages=tuple(packages))
 
@@ -384,23 +386,23 @@ def _listed(names: Iterable[str]) -> str:
 
 def _compare_ways(name: str, old: Measured, new: Measured) -> Iterator[Compared]:
     if old.problem_live:
-        now = "" if LIVE not in new.ways else _shown_way(new.ways[LIVE])
-        yield Compared(name, LIVE, f"not driven: {old.problem_live}", now, is_same=None)
+        now = f"not run: {new.problem_live}" if new.problem_live else ""
+        yield Compared(name, "live run", f"not run: {old.problem_live}", now, is_same=None)
     for task, way in old.ways.items():
         other = new.ways.get(task)
         if other is None:
             why = f": {new.problem_live}" if new.problem_live else ""
             now, is_same = f"not driven{why}", None if new.is_left_out else False
-            if (task == LIVE) != (LIVE in new.ways) and new.ways:  # it has a drive of another kind
-                now, is_same = "driven otherwise", None
+            if task != NODES and new.ways and (task == LIVE) != (LIVE in new.ways):
+                now, is_same = "driven otherwise", None  # by a drive of another kind
             yield Compared(name, task, _shown_way(way), now, is_same)
             continue
-        away, turned = math.dist(way[:2], other[:2]), abs(way[2] - other[2])
-        share = max(
-            away / max(math.hypot(*way[:2]), LEAST_WAY), turned / max(abs(way[2]), LEAST_WAY)
-        )
+        share = difference(way, other)
+        is_same = share <= SHARE
+        if task == NODES and not is_same and not old.is_repeated:
+            is_same = None  # they do not do the same twice anyway
         shown = _shown_way(way), _shown_way(other)
-        yield Compared(name, task, *shown, share <= SHARE, difference=share)
+        yield Compared(name, task, *shown, is_same, difference=share)
 
 
 def _shown_way(way: tuple[float, float, float]) -> str:
