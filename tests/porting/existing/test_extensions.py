@@ -249,3 +249,23 @@ def test_plugins_for_gazebo_classic_are_ported(here: Path, tmp_path: Path) -> No
     assert "gz::sim::systems::DiffDrive" in (package / "urdf" / "cart.urdf").read_text()
     rows = yaml.safe_load((package / "config" / "bridge.yaml").read_text())
     assert "/cmd_vel" in [row["ros_topic_name"] for row in rows]
+
+
+@pytest.mark.slow
+def test_macros_are_kept_when_plugins_are_ported(
+    here: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plugin = """<xacro:macro name="extra" params="link"><gazebo reference="${link}"><material>Gazebo/Orange</material></gazebo></xacro:macro>
+    <xacro:extra link="body"/><gazebo><plugin name="x" filename="libgazebo_ros_control.so"/></gazebo></robot>"""
+    text = CART.replace("</robot>", plugin).replace(
+        "<robot", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"', 1
+    )
+    (tmp_path / "cart.xacro").write_text(text)
+    assert new(tmp_path / "cart.xacro", "--distro", "jazzy") == 0
+    output = capsys.readouterr().err
+    assert "Kept the xacro file with the macros." in output
+    # Once, where the author has it.
+    assert len(re.findall(r"cart\.xacro:\d+: `libgazebo_ros_control\.so`", output)) == 1
+    text = (here / "ws_gazebo" / "src" / "my_robot" / "urdf" / "cart.xacro").read_text()
+    assert "Gazebo/Orange" not in text
+    assert "<xacro:macro" in text

@@ -211,7 +211,9 @@ class _Making:
 
         `missing` are meshes that do not exist, whose shapes are left out.
         """
-        written = self._port(self._written(), self.source.file)
+        alone = self.folder / self._alone("").main
+        file = alone if self.source.kind == "xacro" else self.source.file
+        written = self._port(self._written(), file)
         if self.request.fixes:
             written = self._fix(written, missing)
         robot, found = self._read(written)
@@ -399,7 +401,7 @@ class _Making:
         """The files of the robot, and what they expand to: its own if they can be kept."""
         if self.source.kind == "xacro":
             try:
-                return self._keep(written)
+                return self._keep()
             except NotKeptError as reason:
                 name = self.source.file.name
                 self.notes.append(f"Wrote what {name} expands to, without its macros: {reason}.")
@@ -412,18 +414,22 @@ class _Making:
                 hint=f"wsgen check {self.source.file} says more about the file.",
             ) from None
 
-    def _keep(self, written: str) -> tuple[KeptFiles, str]:
+    def _keep(self) -> tuple[KeptFiles, str]:
         """The files of xacro, and what they expand to, which must be the robot."""
         if self.fixes:
             raise NotKeptError("its robot was fixed")
         kept = keep_files(self.source, self.resources, self.spec.name)
-        ported = {path: self._port(text, Path(path)) for path, text in kept.files.items()}
-        kept = kept._replace(files=ported)
         expanded = self._expand(kept)
         here = f"$(find {self.spec.name})"
-        wanted = written.replace(here, str(self.scratch / "package" / self.spec.name))
+        wanted = self._written().replace(here, str(self.scratch / "package" / self.spec.name))
         if not _inside(expanded).startswith(_inside(wanted)):
             raise NotKeptError("with the names of the package they become another robot")
+        self.ported = FilePort()
+        origins = {place: file for file, place in kept.places.items()}
+        ported = {path: self._port(text, origins[path]) for path, text in kept.files.items()}
+        if ported != kept.files:
+            kept = kept._replace(files=ported)
+            expanded = self._expand(kept)
         count = len(kept.files)
         files = "file" if count == 1 else f"files ({count})"
         self.notes.append(f"Kept the xacro {files} with the macros.")
