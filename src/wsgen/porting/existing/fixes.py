@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 DENSITY = 1000.0  # kg/m³, of a link without a mass; that of water, and of many robots on average
 HEAVY = 100_000  # triangles of a collision mesh
-MOST_ROUNDS = 6  # one fix may show the next mistake
+MOST_ROUNDS = 20  # one fix may show the next mistake, behind each dropped link another one
 _SMALL = (0.01, 1e-5)  # kg and kg m², of a link without mass and shape
 _FREE = (1000.0, 100.0)  # N m (N) and rad/s (m/s), of a joint without effort and velocity
 _WIDE = 3.14159  # rad or m to both sides, of a joint whose limits are equal
