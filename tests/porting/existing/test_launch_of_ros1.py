@@ -382,17 +382,69 @@ def test_the_simulator_of_gazebo_sim(package: Any) -> None:
 
 
 @pytest.mark.slow
+def test_the_simulator_under_a_condition(package: Any) -> None:
+    """Each start has its bridge; the remappings of a group end with it, its parameters do not."""
+    group = (
+        '<group {}="$(arg one)"><remap from="a" to="b"/>' + GAZEBO + "\n"
+        '<arg name="paused" value="true"/><arg name="world_name" value="$(arg world)"/></include>'
+        "</group>\n"
+    )
+    made = package(
+        '<arg name="one" default="true"/><arg name="world" default="worlds/empty.world"/>\n'
+        + group.format("if", ">")
+        + group.format("unless", ">")
+        + '<node pkg="gazebo_ros" type="spawn_model" name="s" args="-sdf -file '
+        '$(find my_robot)/a.sdf -model a -unpause"/>'
+    )
+    for one in ("true", "false"):
+        plan = made.plan(one=one)
+        assert plan.includes[0].arguments["gz_args"] == '-r "empty.sdf"'
+        bridge, spawner = plan.processes
+        assert bridge.executable == "parameter_bridge"
+        assert (bridge.remappings, spawner.remappings) == ((("a", "b"),), ())
+        assert spawner.parameters["use_sim_time"] is True
+
+
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        ("$(find my_robot)/a/b.yaml", "PathJoinSubstitution([share, 'a', 'b.yaml'])"),
+        (
+            "$(dirname)/$(arg x)/b.yaml",
+            "PathJoinSubstitution([ThisLaunchFileDir(), LaunchConfiguration('x'), 'b.yaml'])",
+        ),
+        ("$(find my_robot)/a_$(arg x).yaml", "[share, '/a_', LaunchConfiguration('x'), '.yaml']"),
+        ("$(find my_robot)$(arg x)", "[share, LaunchConfiguration('x')]"),
+        ("$(find my_robot)/a/", "[share, '/a/']"),
+        ("$(find my_robot)", "share"),
+        ("$(arg x)/", "[LaunchConfiguration('x'), '/']"),
+        ("/$(arg x)/y", "['/', LaunchConfiguration('x'), '/y']"),
+        ("", "''"),
+    ],
+)
+def test_paths_and_texts(package: Any, text: str, code: str) -> None:
+    """Parts of paths are joined; slashes of names and at ends stay."""
+    ported = package(f'<arg name="x" default="{text}"/><arg name="y" default="$(arg x)"/>').port()
+    call = next(
+        one
+        for one in ast.walk(ast.parse(str(ported.text)))
+        if isinstance(one, ast.Call) and ast.unparse(one.func) == "DeclareLaunchArgument"
+    )
+    assert ast.unparse(call.keywords[0].value) == code
+
+
+@pytest.mark.slow
 def test_the_simulator_of_gazebo_classic(package: Any) -> None:
     plan = package(
         GAZEBO.format("/>\n")
         + f"{DESCRIBED}\n"
         + '<node pkg="gazebo_ros" type="spawn_model" name="s" args="-urdf -model r -param '
-        'robot_description"/>',
+        'robot_description -unpause"/>',
         target="humble",
     ).plan()
     assert plan.includes[0].file.name == "gazebo.launch.py"
     assert process(plan, "spawn_entity.py").arguments == (
-        *("-topic", "robot_description", "-entity", "r"),
+        *("-topic", "robot_description", "-entity", "r", "-unpause"),
     )
     # spawn_entity.py has no -param: somebody has to publish the robot.
     assert "robot_description" in process(plan, "robot_state_publisher").parameters

@@ -137,6 +137,7 @@ class _Facts(NamedTuple):
     has_publisher: bool = False  # starts robot_state_publisher
     sets: bool = False  # parameters
     only_sets: bool = False
+    unpauses: bool = False  # the simulator, when the robot is there
 
 
 def is_of_ros_1(text: str) -> bool:
@@ -190,6 +191,10 @@ def _is_outside(element: Element) -> bool:
     return parent is not None and parent.tag in {"launch", "group"}
 
 
+def _unpauses(root: Element) -> bool:
+    return any("-unpause" in one.get("args", "").split() for one in root.iter("node"))
+
+
 def _facts_of(file: Path, source: Source, depth: int = 0) -> _Facts:
     """What a launch file of the package does, and those that it includes."""
     text = read_text(file) if depth < _DEEPEST else None
@@ -205,6 +210,7 @@ def _facts_of(file: Path, source: Source, depth: int = 0) -> _Facts:
         any(publishers) or any(one.has_publisher for one in inner),
         any(map(_is_outside, parameters)) or any(one.sets for one in inner),
         kinds <= _SETTINGS and all(one.only_sets for one in inner),
+        _unpauses(root) or any(one.unpauses for one in inner),
     )
 
 
@@ -249,7 +255,6 @@ class _Port:
             if _is_outside(one) and (name := one.get("name"))
         }
         self.values = Values(declared, self._package, self._place, source.name)
-        self.has_bridge = False
         # Node -> the parameters that are set outside of it.
         self.given: dict[Element, list[tuple[str, Code]]] = {}
         self.handled: set[Element] = set()  # such parameters
@@ -296,6 +301,8 @@ class _Port:
 
     def _place(self, path: str) -> str:
         """Where the file of a path is now, as roslaunch writes it."""
+        if path in DEFAULT_WORLDS[1:] and self.source.target.simulator == SIM:
+            return self._default_world
         found = _FIND.fullmatch(path)
         if found is None or found[1] != self.source.old:
             return path
@@ -432,19 +439,25 @@ class _Port:
         return [_Action(call, "remapping")]
 
     def _group(self, element: Element, given: Given) -> list[_Action]:
-        inside = self._walk(element)
-        if not inside:
-            return []
-        namespace = given.get("ns", "")
-        outlives = any(one.outlives for one in inside)
-        code = self._grouped(
-            inside,
-            namespace,
-            self.values.condition(given),
-            is_scoped=bool(namespace) or not outlives,
-        )
-        name = f"group_{namespace}" if namespace else "group"
-        return [_Action(code, name, all(one.is_setting for one in inside), outlives)]
+        """A group; parameters stay when it ends, what else it sets does not."""
+        inside, namespace = self._walk(element), given.get("ns", "")
+        condition = self.values.condition(given)
+        settings = [one for one in inside if one.is_setting]
+        if namespace or not any(one.outlives for one in settings):
+            settings = []
+        actions = settings if condition is None else []
+        if settings and condition is not None:
+            code = self._grouped(settings, "", condition, is_scoped=False)
+            actions = [_Action(code, is_setting=True, outlives=True)]
+        others = [one for one in inside if one not in settings]
+        if others:
+            outlives = any(one.outlives for one in others)
+            is_scoped = bool(namespace) or not outlives
+            code = self._grouped(others, namespace, condition, is_scoped=is_scoped)
+            name = f"group_{namespace}" if namespace else "group"
+            is_setting = all(one.is_setting for one in others)
+            actions = [*actions, _Action(code, name, is_setting, outlives)]
+        return actions
 
     def _grouped(
         self,
@@ -736,9 +749,10 @@ class _Port:
         }
         is_default = world in DEFAULT_WORLDS
         if self.source.target.simulator == SIM:
-            own = self.source.default_world
-            default = f"$(find {self.source.old})/{own}" if own is not None else None
-            arguments = [("gz_args", self._gz_args(switches, default if is_default else world))]
+            if _unpauses(self.root) or any(one.unpauses for one in self.facts):
+                switches.pop("pause", None)  # the spawner cannot start it
+            world = self._default_world if is_default else world
+            arguments = [("gz_args", self._gz_args(switches, world))]
         else:
             arguments = [] if is_default else [("world", self.values.path(world))]
             for name, code in switches.items():
@@ -750,7 +764,7 @@ class _Port:
         actions = [_Action(call, is_setting=True, outlives=True)] if uses_time != "False" else []
         return [*actions, _Action(include, "gazebo"), *self._bridge()]
 
-    def _gz_args(self, switches: Mapping[str, Code], world: str | None) -> Code:
+    def _gz_args(self, switches: Mapping[str, Code], world: str) -> Code:
         pieces: list[Code] = []
         for name, (on, off) in SWITCHES.items():
             value = switches.get(name, str(ON[name]))
@@ -758,15 +772,18 @@ class _Port:
                 pieces.append(repr(on if value == "True" else off))
             else:
                 pieces.append(self.values.call("IfElseSubstitution", value, repr(on), repr(off)))
-        if world is None:
-            return joined([*pieces, repr(EMPTY_WORLD)])
-        return joined([*pieces, repr('"'), self.values.path(world), repr('"')])
+        quote = repr("" if world == EMPTY_WORLD else '"')
+        return joined([*pieces, quote, self.values.path(world), quote])
+
+    @property
+    def _default_world(self) -> str:
+        own = self.source.default_world
+        return EMPTY_WORLD if own is None else f"$(find {self.source.old})/{own}"
 
     def _bridge(self) -> list[_Action]:
         """What has the time of Gazebo Sim reach the nodes."""
-        if self.source.target.simulator != SIM or self.has_bridge:
+        if self.source.target.simulator != SIM:
             return []
-        self.has_bridge = True
         self.packages.add(BRIDGE_PACKAGE)
         keywords: dict[str, Code] = {"output": "'screen'"}
         if self.source.bridge is None:
@@ -810,6 +827,8 @@ class _Port:
         for name, flag in flags.items():
             if name in options:
                 arguments += [repr(flag), self.values.text(options[name][0])]
+        if "unpause" in options and self.source.target.simulator != SIM:
+            arguments.append("'-unpause'")
         keywords["arguments"] = paired(arguments)
         self.packages.add(self.sim["package"])
         call = self._node_call(self.sim["package"], self.sim["spawner"], keywords)

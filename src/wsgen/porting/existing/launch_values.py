@@ -228,7 +228,9 @@ def prose_above(text: str, line: int) -> tuple[str, ...]:
     inside = found[0].removeprefix("<!--").removesuffix("-->")
     if "<" in inside or "$(" in inside:
         return ()
-    paragraphs = ("".join(filter(str.isprintable, one)) for one in inside.strip().split("\n"))
+    paragraphs = (
+        "".join(filter(str.isprintable, one)).strip() for one in inside.strip().split("\n")
+    )
     return tuple(line for one in paragraphs for line in textwrap.wrap(one, WRAPPED))
 
 
@@ -324,21 +326,20 @@ class Values:
         return joined(self.parts(text))
 
     def path(self, text: str) -> Code:
-        """The same of a path, whose parts are joined where each is a whole one."""
+        """The same of a path in a package or folder, whose parts are joined."""
         parts = self.parts(self.place(text))
-        names = list[str]()
-        for before, part in zip(["", *parts], parts, strict=False):
-            literal = text_of(part)
-            if literal is None:
-                if before and not (text_of(before) or "").endswith("/"):
-                    return joined(parts)
-                names.append(part)
-            elif names and not literal.startswith("/"):
-                return joined(parts)
-            else:
-                names += [repr(name) for name in literal.split("/") if name]
-        if len(parts) < 2 or text_of(parts[0]) is not None:  # noqa: PLR2004  a folder and a name
+        folders = (SHARE, "FindPackageShare(", "ThisLaunchFileDir(")
+        texts = [text_of(one) for one in parts]
+        # Every other part is a literal, and a substitution stands between slashes.
+        ends = all((one or "/").startswith("/") for one in texts[1:])
+        starts = all((one or "/").endswith("/") for one in texts[1:-1])
+        is_path = len(parts) > 1 and parts[0].startswith(folders) and ends and starts
+        if not is_path or None in texts[1::2] or (texts[-1] or "").endswith("/"):
             return joined(parts)
+        names: list[Code] = [parts[0]]
+        for part, literal in zip(parts[1:], texts[1:], strict=True):
+            words = [] if literal is None else literal.split("/")
+            names += [part] if literal is None else [repr(one) for one in words if one]
         return self.call("PathJoinSubstitution", listed(names))
 
     def holds_words(self, word: str) -> bool:
