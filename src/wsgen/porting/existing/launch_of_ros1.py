@@ -672,7 +672,9 @@ class _Port:
             is_scoped = bool(namespace) or not facts.sets
             inside = [*environment, _Action(call)]
             call = self._grouped(inside, namespace, condition, is_scoped=is_scoped)
-        return [_Action(call, name.partition(".")[0], facts.only_sets, facts.sets)]
+        return [
+            _Action(call, _SUBSTITUTED.sub("", name).partition(".")[0], facts.only_sets, facts.sets)
+        ]
 
     def _inclusion(
         self, file: Code, arguments: list[tuple[str, Code]], condition: Code | None

@@ -131,11 +131,22 @@ def written(code: Code, indent: int = 4, before: int = 0) -> str:
     if indent + before + len(line) <= WIDTH and not _has_comments(code):
         return line
     # What is alone in brackets needs no line of its own: `(['a'])`, `([{...}])`.
-    if len(code.items) == 1 and isinstance(code.items[0].code, Tree) and not _has_comments(code):
-        only = code.items[0]
-        head = f"{code.head}{only.key}"
-        return f"{head}{written(only.code, indent, before + len(head) + 1)}{code.tail}"
+    heads = _heads(code)
+    is_short = indent + before + len("".join(heads)) <= WIDTH
+    if len(heads) > 1 and is_short and not _has_comments(code):
+        inner = written(code.items[0].code, indent, before + len(heads[0]) + 1)
+        return f"{heads[0]}{inner}{code.tail}"
     return "\n".join((code.head, *_lines(code.items, indent + 4), " " * indent + code.tail))
+
+
+def _heads(code: Code) -> list[str]:
+    """What opens an expression, and those that are alone in its brackets and in theirs."""
+    heads = list[str]()
+    while isinstance(code, Tree):
+        only = code.items[0] if len(code.items) == 1 else Item("", "")
+        heads.append(code.head + (only.key if isinstance(only.code, Tree) else ""))
+        code = only.code
+    return heads
 
 
 def _lines(items: Iterable[Item], indent: int) -> Iterator[str]:
