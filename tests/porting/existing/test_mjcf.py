@@ -396,6 +396,46 @@ def test_names_are_unique(tmp_path: Path) -> None:
     assert {"a", "a_joint", "b&c", "b&c_joint"} <= set(names)
 
 
+def test_what_is_fixed_to_a_body_gives_a_share_of_its_mass(tmp_path: Path) -> None:
+    description = read_mjcf(
+        write(
+            tmp_path,
+            """<body name="a"><freejoint/><geom size="1"/><body name="b" pos="0 0 1">
+<joint name="x" axis="1 0 0"/><joint name="y" axis="0 1 0"/>
+<body name="c" pos="0 1 0" euler="0 0 90"><geom size="1" pos="0.5 0 0" mass="3"/></body>
+</body></body>""",
+        )
+    )
+    robot = ET.fromstring(description.text)
+    inertial = robot.find("link[@name='x_link']/inertial")
+    assert inertial is not None
+    assert [dict(one.attrib) for one in inertial][:2] == [
+        {"xyz": "0 1.5 0", "rpy": "0 0 1.570796326795"},
+        {"value": "0.03"},
+    ]
+    masses = [float(one.get("value") or 0) for one in robot.iterfind("link/inertial/mass")]
+    assert sum(masses[1:]) == pytest.approx(3)
+
+
+def test_sites_are_frames(tmp_path: Path) -> None:
+    description = same(
+        write(
+            tmp_path,
+            """<body name="a"><joint pos="0 0 1"/><geom size="1"/>
+<site name="tool" pos="0 0 2" euler="0 0 90"/><site name="a"/><site/>
+<site name="skin"/><site name="cord"/><site name="end"/></body>""",
+            behind="""<sensor><touch site="skin"/></sensor>
+<tendon><spatial><site site="cord"/><site site="end"/></spatial></tendon>""",
+        )
+    )
+    robot = ET.fromstring(description.text)
+    names = [str(one.get("name")) for one in robot.findall("link")]
+    assert names == ["world", "a", "tool", "a_site"]
+    origin = robot.find("joint[@name='tool_fixed']/origin")
+    assert origin is not None
+    assert origin.attrib == {"xyz": "0 0 1", "rpy": "0 0 1.570796326795"}
+
+
 NUMBER = st.floats(-2, 2).map(lambda one: round(one, 4))
 VECTOR = st.tuples(NUMBER, NUMBER, NUMBER).map(lambda three: " ".join(map(str, three)))
 AXIS = VECTOR.filter(lambda text: sum(float(one) ** 2 for one in text.split()) > 0.1)
@@ -476,8 +516,13 @@ BAD: dict[str, tuple[str, type[WsgenError], str]] = {
         NotReadableError,
         "broken.stl",
     ),
-    "itself": (includes("robot.xml"), NotReadableError, "already included"),
-    "a circle": (includes("circle.xml"), NotReadableError, "already included"),
+    "itself": (includes("robot.xml"), RequestError, "robot.xml:1: `robot.xml` includes itself"),
+    "a circle": (includes("circle.xml"), RequestError, "circle.xml:1: `robot.xml` includes itself"),
+    "a model of itself": (
+        '<mujoco><asset><model file="robot.xml"/></asset></mujoco>',
+        RequestError,
+        "includes itself",
+    ),
     "one that is missing": (includes("nowhere.xml"), NotFoundError, "robot.xml:1: `nowhere.xml`"),
     "one outside": (includes("../../../outside.xml"), RequestError, "is outside of"),
     "one of the system": (includes("/etc/hostname"), RequestError, "`/etc/hostname` is outside"),

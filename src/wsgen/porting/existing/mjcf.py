@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 TASK = "wsgen.porting.existing.mjcf_compiled:compile_model"
-LIMITS = Limits(seconds=120.0)  # convex hulls of meshes take most of it
+LIMITS = Limits(seconds=60.0)  # convex hulls of meshes take most of it
 SIZE_LIMIT = 2**25  # bytes of one XML file; points of a mesh may be in it
 MOST_FILES = 500
 MARKS = (".git", "package.xml", "pyproject.toml", "setup.py")  # of the folder of a project
@@ -68,7 +68,7 @@ def read_mjcf(file: Path, *, folder: Path | None = None) -> Description:
     Raises:
         NotFoundError: MuJoCo is not installed, or a file that is included is not there.
         NotReadableError: It is not XML, or MuJoCo refuses it.
-        RequestError: It is another kind of file, or includes one outside of the folder.
+        RequestError: It is another kind of file, or includes itself or one outside of the folder.
     """
     file = file.absolute()
     sources = _read_sources(file, folder or _project_of(file))
@@ -107,11 +107,16 @@ def _read_sources(file: Path, folder: Path) -> dict[Path, Element]:
     """The MJCF and all files that it includes, each once, by their real paths."""
     top = Path(real_path(folder))
     sources: dict[Path, Element] = {}
-    waiting = [(Path(real_path(file)), f"{file}")]
+    waiting: list[tuple[Path, str, tuple[Path, ...]]] = [(Path(real_path(file)), f"{file}", ())]
     while waiting:
-        path, what = waiting.pop()
+        path, what, trail = waiting.pop()
+        if path in trail:
+            raise RequestError(
+                f"{what} includes itself, through other files or directly.",
+                hint="Remove one of the includes of this circle.",
+            )
         if path in sources:
-            continue  # MuJoCo refuses one that includes itself
+            continue
         if len(sources) == MOST_FILES:
             raise RequestError(
                 f"{file} includes more than {MOST_FILES} files.",
@@ -132,7 +137,7 @@ def _read_sources(file: Path, folder: Path) -> dict[Path, Element]:
                     f"{place}: `{written}` is outside of {top}.",
                     hint="Copy the file into this folder, and include it from there.",
                 )
-            waiting.append((found, f"{place}: `{written}`"))
+            waiting.append((found, f"{place}: `{written}`", (*trail, path)))
     return sources
 
 

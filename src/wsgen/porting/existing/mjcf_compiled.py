@@ -118,6 +118,7 @@ class _Reader:
         for body in range(1, model.nbody):
             if int(model.body_rootid[body]) in trees:
                 self._add_body(body, efforts)
+        self._add_sites()
         self._couple()
         self._say_about_bodies(loose)
         self._say_about_joints()
@@ -185,17 +186,7 @@ class _Reader:
         first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
         joints = [] if self._is_free(body) else list(range(first, first + count))
         if not joints and not self._is_free(body):
-            fixed = free(f"{name}_fixed", self.taken)
-            self.taken.add(fixed)
-            self.joints.append(
-                Joint(
-                    name=fixed,
-                    type=JointType.FIXED,
-                    parent=parent,
-                    child=name,
-                    pose_in_parent=_pose(place),
-                )
-            )
+            self._fix(parent, name, place)
         rest = EYE  # the frame of the body in that of the last joint
         for joint in joints:
             child = name
@@ -301,6 +292,34 @@ class _Reader:
             collisions=tuple(collisions),
             gravity=bool(model.body_gravcomp[body] != 1),
             line=_line(self._element("body", body)) or None,
+        )
+
+    def _add_sites(self) -> None:
+        """Links for sites: frames of tools and sensors, not what tendons or skins of touch need."""
+        model = self.model
+        of_tendons = model.wrap_objid[model.wrap_type == mujoco.mjtWrap.mjWRAP_SITE]
+        touching = model.sensor_objid[model.sensor_type == mujoco.mjtSensor.mjSENS_TOUCH]
+        for site in sorted({*range(model.nsite)}.difference(of_tendons, touching)):
+            name, body = model.site(site).name, int(model.site_bodyid[site])
+            if not name or body not in self.link_names:
+                continue
+            link = free(f"{name}_site" if name in self.taken else name, self.taken)
+            self.taken.add(link)
+            place = self.in_link[body] @ _frame(model.site_pos[site], model.site_quat[site])
+            self.links.append(Link(name=link))
+            self._fix(self.link_names[body], link, place)
+
+    def _fix(self, parent: str, child: str, place: Frame) -> None:
+        name = free(f"{child}_fixed", self.taken)
+        self.taken.add(name)
+        self.joints.append(
+            Joint(
+                name=name,
+                type=JointType.FIXED,
+                parent=parent,
+                child=child,
+                pose_in_parent=_pose(place),
+            )
         )
 
     def _rgba(self, geom: int) -> Rgba:

@@ -30,7 +30,7 @@ from wsgen.porting.ported import Unported
 from wsgen.simulation.urdf_writer import MOMENTS, quoted
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator
+    from collections.abc import Collection, Iterable, Iterator, Mapping
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.robot import Geometry, Inertial, Joint, Rgba, Robot, Visual
@@ -184,22 +184,39 @@ def _with_shares(robot: Robot, crosses: Collection[str]) -> Robot:
     """
     above = {joint.child: joint for joint in robot.joints}
     links = {link.name: link for link in robot.links}
-    for name, link in list(links.items()):
+    for name in list(links):
         pose, before = IDENTITY, []
         joint = None if name in crosses else above.get(name)
         while joint is not None and joint.parent in crosses:
             pose = compose(joint.pose_in_parent, pose)
             before.append((joint.parent, pose))
             joint = above.get(joint.parent)
-        if before and link.inertial is not None and link.inertial.mass > 0:
-            share = min(LARGEST_SHARE, max(SHARE, LEAST_MASS / link.inertial.mass))
+        found = _giver(robot, links, name) if before else None
+        if found is not None:
+            giver, inertial, place_in_link = found
+            share = min(LARGEST_SHARE, max(SHARE, LEAST_MASS / inertial.mass))
             for cross, place in before:
-                part = _scaled(link.inertial, share)
-                moved = replace(part, pose_in_link=compose(place, part.pose_in_link))
-                links[cross] = replace(links[cross], inertial=moved)
-            rest = _scaled(link.inertial, 1 - share * len(before))
-            links[name] = replace(link, inertial=rest)
+                at = compose(compose(place, place_in_link), inertial.pose_in_link)
+                part = replace(_scaled(inertial, share), pose_in_link=at)
+                links[cross] = replace(links[cross], inertial=part)
+            rest = _scaled(inertial, 1 - share * len(before))
+            links[giver] = replace(links[giver], inertial=rest)
     return replace(robot, links=tuple(links.values()))
+
+
+def _giver(robot: Robot, links: Mapping[str, Link], name: str) -> tuple[str, Inertial, Pose] | None:
+    """A link or the first with a mass that is fixed to it, with its inertia and its pose in it."""
+    waiting = [(name, IDENTITY)]
+    for link, pose in waiting:
+        inertial = links[link].inertial
+        if inertial is not None and inertial.mass > 0:
+            return link, inertial, pose
+        waiting += (
+            (joint.child, compose(pose, joint.pose_in_parent))
+            for joint in robot.joints
+            if joint.parent == link and joint.type is JointType.FIXED
+        )
+    return None
 
 
 def _scaled(inertial: Inertial, factor: float) -> Inertial:
