@@ -137,11 +137,15 @@ class Comparison:
             if self.model.body_rootid[n] in tops and n not in self.here
         ]
         self.used: dict[int, str] = {}  # the names of the joints
+        named: list[str] = []  # the same, without what makes them unique
         for number in range(self.model.njnt):
             body = self.model.jnt_bodyid[number]
             name = self.model.joint(number).name or f"{bodies[body]}_joint"
             if body in self.here and self.model.jnt_type[number] != 0:
-                self.used[number] = f"{name}_joint" if name in self.links else name
+                name = f"{name}_joint" if name in self.links else name
+                alike = sum(other == name for other in named)
+                named.append(name)
+                self.used[number] = f"{name}_{alike + 1}" if alike else name
         self.parts = {name: [name, *self._before(name)] for name in self.here.values()}
 
     def _names(self) -> dict[int, str]:

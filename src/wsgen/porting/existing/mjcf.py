@@ -87,7 +87,7 @@ def read_mjcf(file: Path, *, folder: Path | None = None) -> Description:
         if isinstance(outcome.value, str):
             reason = " ".join(outcome.value.split()).removeprefix("Error: ").removesuffix(".")
             raise NotReadableError(
-                f"MuJoCo does not read {file}: {reason}.",
+                f"MuJoCo makes no robot of {file}: {reason}.",
                 hint="Correct it, and check it with: python3 -m mujoco.viewer --mjcf=FILE",
             )
         compiled = decode(outcome.value, Compiled)

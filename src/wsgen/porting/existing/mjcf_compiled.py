@@ -77,9 +77,9 @@ def compile_model(file: str, scratch: str) -> Compiled | str:
     except (ValueError, RuntimeError) as error:
         return str(error)
     if model.nbody == 1:
-        return "It has no <body>."
+        return "it has no <body>"
     if not all(np.isfinite(getattr(model, name)).all() for name in MEASURED):
-        return "A number in it is infinite or not a number."
+        return "a number in it is infinite or not a number"
     return _Reader(spec, model, Path(file), Path(scratch)).read()
 
 
@@ -160,12 +160,13 @@ class _Reader:
     def _name(self, trees: set[int]) -> None:
         """Names for all links and joints, each once: SDF has one namespace for both."""
         model, taken = self.model, {WORLD}
+        names = {0: "body"}
         for body in range(1, model.nbody):
+            parent = names[int(model.body_parentid[body])]
+            names[body] = free(model.body(body).name or f"{parent}_1", taken)
+            taken.add(names[body])
             if int(model.body_rootid[body]) in trees:
-                parent = self.link_names.get(int(model.body_parentid[body]), "body")
-                name = free(model.body(body).name or free(f"{parent}_1", taken), taken)
-                taken.add(name)
-                self.link_names[body] = name
+                self.link_names[body] = names[body]
         for joint in range(model.njnt):
             body = int(model.jnt_bodyid[joint])
             if body in self.link_names:
