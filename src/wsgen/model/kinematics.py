@@ -10,7 +10,7 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wsgen.model.robot import JointType
+from wsgen.model.robot import JointType, by_parent
 from wsgen.model.transform import (
     IDENTITY,
     UNIT,
@@ -125,9 +125,7 @@ def _is_swivel(joint: Joint, rotation: Matrix) -> bool:
 
 def _rotations(robot: Robot) -> dict[str, Matrix]:
     """The rotation of every link in the root's frame, with all joints at zero."""
-    below: dict[str, list[Joint]] = {}
-    for joint in robot.joints:
-        below.setdefault(joint.parent, []).append(joint)
+    below = by_parent(robot.joints)
     rotations, queue = {robot.root: UNIT}, [robot.root]
     for parent in queue:
         for joint in below.get(parent, ()):

@@ -7,7 +7,7 @@ from the link frame, `pose_in_parent` from the parent link's frame. What the URD
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping  # noqa: TC003  the file of a live run is decoded by type hints
+from collections.abc import Collection, Iterable, Mapping  # noqa: TC003  the file of a live run is decoded by type hints
 from dataclasses import field
 from enum import Enum
 from typing import NamedTuple
@@ -345,6 +345,14 @@ class SdfJoint(NamedTuple):
     ends: Mapping[str, str]  # "parent" and "child" -> what they name
     line: int | None
     is_ball: bool = False  # a ball joint at the origin of its child
+
+
+def by_parent(joints: Iterable[Joint]) -> dict[str, list[Joint]]:
+    """The joints below each link that has some, in their order."""
+    below: dict[str, list[Joint]] = {}
+    for joint in joints:
+        below.setdefault(joint.parent, []).append(joint)
+    return below
 
 
 @dataclass(frozen=True, kw_only=True)

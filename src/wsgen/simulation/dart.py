@@ -13,7 +13,7 @@ from dartpy.math import Isometry3
 
 from wsgen.model.inertia import about_link_axes, made_possible
 from wsgen.model.kinematics import split_trees
-from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere
+from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere, by_parent
 from wsgen.model.transform import (
     IDENTITY,
     Pose,
@@ -100,9 +100,7 @@ class DartBody:
 
     def _add_tree(self, tree: Robot, pose_in_robot: Pose) -> None:
         links = {link.name: link for link in tree.links}
-        below: dict[str, list[Joint]] = {}
-        for joint in tree.joints:
-            below.setdefault(joint.parent, []).append(joint)
+        below = by_parent(tree.joints)
         if not tree.fixed_to_world:
             base, node = self.skeleton.createFreeJointAndBodyNodePair()
             self._bases.append((base, pose_in_robot))

@@ -22,7 +22,7 @@ from mujoco import mjtGeom, mjtJoint
 
 from wsgen.model.inertia import about_link_axes, made_possible
 from wsgen.model.kinematics import split_trees
-from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere
+from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere, by_parent
 from wsgen.model.transform import Pose, compose, quaternion_of_rpy, rotation_of_rpy, rpy_of_rotation
 from wsgen.simulation.contact_shapes import box_around, inner_collisions
 from wsgen.simulation.engine import STRONGEST, decays, limit_share, may_touch, stiffness_to_simulate
@@ -158,9 +158,7 @@ class MujocoBody:
 
     def _add_tree(self, tree: Robot, pose_in_robot: Pose) -> None:
         links = {link.name: link for link in tree.links}
-        below: dict[str, list[Joint]] = {}
-        for joint in tree.joints:
-            below.setdefault(joint.parent, []).append(joint)
+        below = by_parent(tree.joints)
         world = self._spec.worldbody
         if not tree.fixed_to_world:
             base = self._add_body(world, links[tree.root], pose_in_robot)

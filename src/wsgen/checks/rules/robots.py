@@ -21,6 +21,7 @@ from wsgen.model.robot import (
     Primitive,
     Sphere,
     Triangulated,
+    by_parent,
 )
 from wsgen.model.transform import IDENTITY, compose
 from wsgen.text.suggestions import some_named
@@ -505,10 +506,9 @@ def massless_root(
 
     `preserved` are the fixed joints that Gazebo keeps.
     """
-    below: dict[str, list[Joint]] = {}
-    for joint in joints:
-        if not joint.is_movable and joint.name not in preserved:
-            below.setdefault(joint.parent, []).append(joint)
+    below = by_parent(
+        joint for joint in joints if not joint.is_movable and joint.name not in preserved
+    )
     fixed = below.pop(root.name, [])
     lumped = [joint.child for joint in fixed]
     for name in lumped:  # it grows by what is fixed to these
@@ -813,11 +813,8 @@ def extent_of(links: Iterable[Link], joints: Iterable[Joint]) -> float:
 
 def poses_of(joints: Iterable[Joint]) -> dict[str, Pose]:
     """The poses of all links but the root, in the root's frame; the joints make a tree."""
-    below: dict[str, list[Joint]] = {}
-    children = set()
-    for joint in joints:
-        below.setdefault(joint.parent, []).append(joint)
-        children.add(joint.child)
+    below = by_parent(joints)
+    children = {joint.child for hanging in below.values() for joint in hanging}
     poses: dict[str, Pose] = {}
     queue = [name for name in below if name not in children]
     for name in queue:

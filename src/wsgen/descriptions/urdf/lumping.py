@@ -26,7 +26,7 @@ from wsgen.model.inertia import (
     is_possible,
     moved,
 )
-from wsgen.model.robot import Inertial, Joint, JointType, Link
+from wsgen.model.robot import Inertial, Joint, JointType, Link, by_parent
 from wsgen.model.transform import IDENTITY, Pose, compose
 from wsgen.text.suggestions import some_named
 from wsgen.text.values import dataclass
@@ -282,12 +282,10 @@ def that_stay(robot: Robot) -> set[str]:
     kinematic = {link.name for link in robot.links if link.is_kinematic}
     if not kinematic:
         return kinematic
-    children: dict[str, list[str]] = {}
-    for joint in robot.joints:
-        children.setdefault(joint.parent, []).append(joint.child)
+    below = by_parent(robot.joints)
     queue = [robot.root] if robot.fixed_to_world or robot.root in kinematic else []
     for name in queue:
-        queue += kinematic.intersection(children.get(name, ()))
+        queue += kinematic.intersection(joint.child for joint in below.get(name, ()))
     return kinematic.intersection(queue)
 
 
@@ -410,9 +408,7 @@ def _bodies_of(robot: Robot) -> dict[str, Body]:
 
     No recursion, and nothing is moved twice: a chain may have 10,000 links.
     """
-    below: dict[str, list[Joint]] = {}
-    for joint in sorted(robot.joints, key=lambda joint: joint.name):
-        below.setdefault(joint.parent, []).append(joint)
+    below = by_parent(sorted(robot.joints, key=lambda joint: joint.name))
     kept = _kept_joints(robot)
     links = {link.name: link for link in robot.links}
     bodies: dict[str, Body] = {}
@@ -590,9 +586,7 @@ def _below_massless(
     robot: Robot, bodies: Mapping[str, Body], kept: Sequence[str]
 ) -> Iterator[tuple[str, str, list[str]]]:
     """Bodies, links without mass lumped into them, and what older versions drop with these."""
-    joints: dict[str, list[Joint]] = {}
-    for joint in robot.joints:
-        joints.setdefault(joint.parent, []).append(joint)
+    joints = by_parent(robot.joints)
     for name in kept:
         for massless in reversed(bodies[name].massless):
             below = [massless]

@@ -15,6 +15,7 @@ import shutil
 import subprocess
 import sys
 import time
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from shutil import disk_usage
@@ -41,7 +42,7 @@ from wsgen.ros.environment.wheels import (
 from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping
+    from collections.abc import Collection, Iterable, Mapping
 
     from wsgen.events import Listener
     from wsgen.ros.environment.messages import Compiler
@@ -311,6 +312,12 @@ def _sourced(prefix: Path, environment: Mapping[str, str]) -> RosEnvironment:
     )
 
 
+def _joined(environment: Mapping[str, str], name: str, added: Iterable[Path]) -> str:
+    """The paths of a variable, with others behind them."""
+    given = [entry for entry in environment.get(name, "").split(os.pathsep) if entry]
+    return os.pathsep.join(dict.fromkeys([*given, *map(str, added)]))
+
+
 def variables_of(prefixes: list[Path], environment: Mapping[str, str]) -> dict[str, str]:
     """Return the variables that differ from those of an environment.
 
@@ -318,11 +325,7 @@ def variables_of(prefixes: list[Path], environment: Mapping[str, str]) -> dict[s
         prefixes: of messages, and of ROS at the end; they come after those of the user.
         environment: the user's.
     """
-
-    def joined(name: str, added: list[Path]) -> str:
-        given = [entry for entry in environment.get(name, "").split(os.pathsep) if entry]
-        return os.pathsep.join(dict.fromkeys([*given, *map(str, added)]))
-
+    joined = partial(_joined, environment)
     *messages, ros = prefixes
     libraries = [*(prefix / "lib" for prefix in messages), *library_folders(ros)]
     return {
@@ -427,10 +430,7 @@ def paths_with_all_messages(ros: RosEnvironment, environment: Mapping[str, str])
     variables = {**environment, **variables_of_nodes(ros, environment)}
     more = [] if ros.is_sourced else built_messages(ros.prefixes[-1])
 
-    def joined(name: str, added: list[Path]) -> str:
-        given = [entry for entry in variables.get(name, "").split(os.pathsep) if entry]
-        return os.pathsep.join(dict.fromkeys([*given, *map(str, added)]))
-
+    joined = partial(_joined, variables)
     return {
         "LD_LIBRARY_PATH": joined("LD_LIBRARY_PATH", [prefix / "lib" for prefix in more]),
         "PYTHONPATH": joined("PYTHONPATH", [site_packages(prefix) for prefix in more]),
