@@ -164,7 +164,7 @@ class Journal:
         self.left_out[what] = why
 
 
-FAILED_FILE = "failed.json"  # in the live folder: `FailedPrograms`
+FAILED_FILE = "failed.json"  # in the live folder: a list of `FailedProgram`
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -177,13 +177,6 @@ class FailedProgram:
     is_built: bool = True  # what is corrected there has to be installed
     missing_module: str | None = None  # whose absence has ended it
     is_of_user: bool = True  # it is none of ROS, and none of wsgen
-
-
-@dataclass(frozen=True, kw_only=True)
-class FailedPrograms:
-    """All of a run."""
-
-    programs: tuple[FailedProgram, ...] = ()
 
 
 class Failures:
@@ -209,14 +202,13 @@ class Failures:
 
     def _write(self) -> None:
         with suppress(OSError):  # a hint depends on it, no more
-            failed = FailedPrograms(programs=tuple(self._programs.values()))
-            self._file.write_text(encode(failed), encoding="utf-8")
+            self._file.write_text(encode([*self._programs.values()]), encoding="utf-8")
 
 
 def read_failures(folder: Path) -> tuple[FailedProgram, ...]:
     """Those of the run of a folder."""
     try:
         text = (folder / FAILED_FILE).read_text(encoding="utf-8")
-        return decode(json.loads(text), FailedPrograms).programs
+        return decode(json.loads(text), tuple[FailedProgram, ...])
     except (OSError, ValueError):  # none, or on a full disk
         return ()

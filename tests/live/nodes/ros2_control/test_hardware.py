@@ -11,7 +11,6 @@ from wsgen.descriptions.urdf.devices import read_devices
 from wsgen.descriptions.urdf.lumping import lump
 from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.live.nodes.simulator.ros2_control.hardware import (
-    Follows,
     Gains,
     Interfaces,
     Pid,
@@ -145,7 +144,7 @@ def test_mimic_joints_by_the_urdf_and_by_parameters() -> None:
     mimic = Mimic(joint="a", multiplier=-1.0, offset=0.1)
     plain = [control(part("a", "position"), part("b"))]
     (component,) = read_hardware(plain, [joint("a"), joint("b", mimic)]).components
-    assert component.joints[1].follows == Follows(joint="a", multiplier=-1.0, offset=0.1)
+    assert component.joints[1].follows == Mimic(joint="a", multiplier=-1.0, offset=0.1)
     off = [control(part("a", "position"), part("b", mimic="false"))]
     (component,) = read_hardware(off, [joint("a"), joint("b", mimic)]).components
     assert component.joints[1].follows is None
@@ -156,7 +155,7 @@ def test_mimic_joints_by_the_urdf_and_by_parameters() -> None:
         name="b",
     )
     (component,) = read_hardware([control(former)], [joint("b")]).components
-    assert component.joints[0].follows == Follows(joint="a", multiplier=2.0)
+    assert component.joints[0].follows == Mimic(joint="a", multiplier=2.0)
 
 
 def test_gazebo_sim_goes_a_share_of_the_way_within_limits() -> None:

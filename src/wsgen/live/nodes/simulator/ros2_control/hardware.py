@@ -10,6 +10,7 @@ import math
 from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.model.robot import Mimic
 from wsgen.text.values import dataclass
 
 if TYPE_CHECKING:
@@ -42,15 +43,6 @@ SIMULATED = frozenset(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Follows:
-    """A joint that is kept where another one says."""
-
-    joint: str
-    multiplier: float = 1.0
-    offset: float = 0.0  # rad or m
-
-
-@dataclass(frozen=True, kw_only=True)
 class Gains:
     """Of a PID controller inside of Gazebo Classic's plugin."""
 
@@ -69,7 +61,7 @@ class ControlledJoint:
     commands: tuple[str, ...] = ()  # those that a simulator knows
     states: tuple[str, ...] = ()
     initial: Mapping[str, float]  # by state: where it is at the beginning
-    follows: Follows | None = None
+    follows: Mimic | None = None
     position_gains: Gains | None = None
     velocity_gains: Gains | None = None
 
@@ -187,22 +179,19 @@ def _number(text: str) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _follows(part: Element, parameters: Mapping[str, str], joint: Joint) -> Follows | None:
+def _follows(part: Element, parameters: Mapping[str, str], joint: Joint) -> Mimic | None:
     """By its <mimic> in the URDF, or as Humble's releases have it, by parameters."""
     if part.attributes.get("mimic", "").lower() == "false":
         return None
     if "mimic" in parameters:
         multiplier = _number(parameters.get("multiplier", "1"))
         offset = _number(parameters.get("offset", "0"))
-        return Follows(
+        return Mimic(
             joint=parameters["mimic"],
             multiplier=1.0 if multiplier is None else multiplier,
             offset=offset or 0.0,
         )
-    if joint.mimic is not None:
-        mimic = joint.mimic
-        return Follows(joint=mimic.joint, multiplier=mimic.multiplier, offset=mimic.offset)
-    return None
+    return joint.mimic
 
 
 def _gains(parameters: Mapping[str, str], prefix: str) -> Gains | None:
