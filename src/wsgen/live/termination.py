@@ -7,12 +7,9 @@ from __future__ import annotations
 
 import heapq
 import itertools
-import json
 import logging
 import signal
-import socket
 import time
-from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -22,7 +19,7 @@ from wsgen.live.journal import OTHER, FailedProgram, Failures
 from wsgen.live.plan_checks import what_is_started
 from wsgen.live.process import ENDING
 from wsgen.live.python_failures import explain_module, explain_numpy, find_source
-from wsgen.simulation.live_runs import short_name, socket_path
+from wsgen.simulation.live_runs import SimulatorClient, SimulatorError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -441,34 +438,17 @@ class SimulatedTime:
     """The time of the simulator in the folder of a live run, asked by one connection."""
 
     def __init__(self, folder: Path) -> None:
-        self._path = socket_path(folder)
-        self._socket: socket.socket | None = None
-        self._stream: Any = None
+        self._client = SimulatorClient(folder, patience=SECONDS)
 
     def now(self) -> float | None:
         """Seconds of the simulation; None where the simulator is not there or does not answer."""
         try:
-            if self._socket is None:
-                self._connect()
-            self._stream.write(b'{"do": "state"}\n')
-            self._stream.flush()
-            return float(json.loads(self._stream.readline())["seconds"])
-        except (OSError, ValueError, TypeError, KeyError):
+            if self._client.connect(0.0):
+                return float(self._client.ask("state")["seconds"])
+        except (SimulatorError, OSError, ValueError, TypeError, KeyError):
             self.close()  # a late answer would be that to the next question
         return None
 
     def close(self) -> None:
         """End the connection."""
-        if self._stream is not None:
-            with suppress(OSError):
-                self._stream.close()
-        if self._socket is not None:
-            self._socket.close()
-        self._socket = self._stream = None
-
-    def _connect(self) -> None:
-        made = self._socket = socket.socket(socket.AF_UNIX)
-        made.settimeout(SECONDS)
-        with short_name(self._path) as name:
-            made.connect(name)
-        self._stream = made.makefile("rwb")
+        self._client.close()

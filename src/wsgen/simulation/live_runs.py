@@ -325,3 +325,107 @@ def _lines(file: Path) -> Iterator[dict[str, Any]]:
         for line in stream:
             if line.endswith("\n"):
                 yield json.loads(line)
+
+
+LOOK_EVERY = 0.05  # s, for the socket
+
+
+class SimulatorError(Exception):
+    """The simulator refuses a command; `hint` is what to do."""
+
+    def __init__(self, message: str, hint: str) -> None:
+        super().__init__(message)
+        self.message = message
+        self.hint = hint
+
+
+class SimulatorEndedError(SimulatorError):
+    """It does not answer any more."""
+
+    def __init__(self) -> None:
+        super().__init__("The simulator has ended.", "Read what it printed before.")
+
+
+class SimulatorClient:
+    """A connection to the simulator."""
+
+    def __init__(self, folder: Path | None = None, *, patience: float | None = None) -> None:
+        """Connect to that of a live run, later.
+
+        Args:
+            folder: Of the run; None: of that which this process then has, see `find_simulator`.
+            patience: How long to wait for an answer, s; afterwards it has ended.
+        """
+        self._folder = folder
+        self._patience = patience
+        self._socket: socket.socket | None = None
+        self._stream: Any = None
+
+    def connect(self, seconds: float) -> bool:
+        """Wait for the simulator, no longer than that; gives whether it is there."""
+        last = time.monotonic() + seconds
+        while self._socket is None:
+            made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+            made.settimeout(self._patience)
+            try:
+                with short_name(socket_path(self._found_folder())) as name:
+                    made.connect(name)
+            except (FileNotFoundError, ConnectionRefusedError):
+                made.close()
+                if time.monotonic() >= last:
+                    return False
+                time.sleep(LOOK_EVERY)
+            else:
+                self._socket, self._stream = made, made.makefile("rwb")
+        return True
+
+    def _found_folder(self) -> Path:
+        """Raise FileNotFoundError where no live run is there."""
+        if self._folder is not None:
+            return self._folder
+        found = find_simulator(os.environ)
+        if found is None:
+            raise FileNotFoundError
+        return found
+
+    def ask(self, do: str, **values: Any) -> dict[str, Any]:
+        """Have the simulator do something; gives its answer.
+
+        Raises:
+            SimulatorError: It cannot do it.
+            SimulatorEndedError: It has ended.
+        """
+        try:
+            self._stream.write(json.dumps({"do": do, **values}).encode() + b"\n")
+            self._stream.flush()
+            line = self._stream.readline()
+        except OSError:
+            line = b""
+        if not line:
+            raise SimulatorEndedError
+        answer: dict[str, Any] = json.loads(line)
+        if "error" in answer:
+            raise SimulatorError(str(answer["error"]), str(answer.get("hint", "")))
+        return answer
+
+    def wait_until_it_ends(self) -> None:
+        """Wait as long as the simulator is there."""
+        try:
+            while self._stream.readline():
+                pass
+        except OSError:
+            pass
+
+    def interrupt(self) -> None:
+        """End the connection for a thread that waits for an answer."""
+        if (waited_for := self._socket) is not None:
+            with suppress(OSError):
+                waited_for.shutdown(socket.SHUT_RDWR)
+
+    def close(self) -> None:
+        """End the connection, and what goes with it."""
+        if self._socket is not None:
+            with suppress(OSError):  # what is not sent yet
+                self._stream.close()
+            self._socket.close()
+            self._socket = None

@@ -252,7 +252,7 @@ def test_the_socket(tmp_path: Path) -> None:
     from threading import Thread  # noqa: PLC0415
 
     from wsgen.live.nodes.simulator.commands import CommandServer  # noqa: PLC0415
-    from wsgen.live.nodes.simulator_client import SimulatorClient, SimulatorError  # noqa: PLC0415
+    from wsgen.simulation.live_runs import SimulatorClient, SimulatorError  # noqa: PLC0415
 
     folder = tmp_path / ("long " * 40)  # a name that no address of a socket has room for
     folder.mkdir()

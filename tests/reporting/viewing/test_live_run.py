@@ -22,12 +22,11 @@ from live.nodes.fake_ros import (
 )
 from reporting.viewing.robots import FakeViewer
 from wsgen.isolation.codec import encode
-from wsgen.live.nodes.simulator_client import SimulatorError
 from wsgen.model.robot import Box, Collision, Link, Robot
 from wsgen.reporting.viewing import live_run
 from wsgen.reporting.viewing.live_run import Launched, RunView, showing_run
 from wsgen.reporting.viewing.play import Command, Push, Reset, SetRunning, Step
-from wsgen.simulation.live_runs import SCENE_FILE
+from wsgen.simulation.live_runs import SCENE_FILE, SimulatorError
 from wsgen.simulation.scene import SpawnedRobot
 from wsgen.text.files import write_file
 

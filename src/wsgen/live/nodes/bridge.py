@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.live.nodes.signals import ignore_ends, raise_when_ended
-from wsgen.live.nodes.simulator_client import SimulatorClient, SimulatorError
+from wsgen.simulation.live_runs import SimulatorClient, SimulatorError
 from wsgen.text import yamlfile
 
 if TYPE_CHECKING:

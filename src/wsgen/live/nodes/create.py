@@ -29,9 +29,8 @@ from std_msgs.msg import String
 from wsgen.isolation.codec import encode
 from wsgen.launching.spawner_options import CREATE, NUMBERS, SPAWN_ENTITY, read_flags
 from wsgen.live.nodes.signals import ignore_ends, raise_when_ended
-from wsgen.live.nodes.simulator_client import SimulatorClient, SimulatorError
 from wsgen.model.transform import Pose
-from wsgen.simulation.live_runs import NewEntity
+from wsgen.simulation.live_runs import NewEntity, SimulatorClient, SimulatorError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -14,13 +14,18 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from wsgen.descriptions.meshes.inspection import read_surfaces
 from wsgen.isolation.codec import decode
-from wsgen.live.nodes.simulator_client import SimulatorClient, SimulatorEndedError, SimulatorError
 from wsgen.model.robot import Mesh
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.reporting.viewing.drawing import draw_simulated
 from wsgen.reporting.viewing.play import Reset, SetRunning, SimulationViewer, Speedometer, Step
 from wsgen.reporting.viewing.view import diagnostics_list, links_table, plain, summary
-from wsgen.simulation.live_runs import SCENE_FILE, LiveScene
+from wsgen.simulation.live_runs import (
+    SCENE_FILE,
+    LiveScene,
+    SimulatorClient,
+    SimulatorEndedError,
+    SimulatorError,
+)
 from wsgen.simulation.scene import SpawnedRobot
 
 if TYPE_CHECKING:
