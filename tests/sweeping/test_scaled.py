@@ -11,6 +11,7 @@ import pytest
 from wsgen.descriptions.sdf.models import read_sdf
 from wsgen.descriptions.urdf.lumping import lump
 from wsgen.descriptions.urdf.reader import read_urdf
+from wsgen.sweeping.parameters import FRICTION, FRICTION_SCALE, INERTIA_SCALE, MASS_SCALE
 from wsgen.sweeping.worst import scale_text
 
 if TYPE_CHECKING:
@@ -82,7 +83,7 @@ def frictions(link: Link) -> list[tuple[float, float]]:
 
 @pytest.mark.parametrize(("text", "read"), [(URDF, urdf), (SDF, sdf)])
 def test_masses_and_inertias(text: str, read: Reader) -> None:
-    before, after = read(text), read(scale_text(text, mass=3.0, inertia=0.5))
+    before, after = read(text), read(scale_text(text, {MASS_SCALE: 3.0, INERTIA_SCALE: 0.5}))
     for one, other in zip(before.links, after.links, strict=True):
         mass, *moments = numbers(one)
         assert numbers(other) == pytest.approx((3 * mass, *(1.5 * moment for moment in moments)))
@@ -94,7 +95,8 @@ def test_masses_and_inertias(text: str, read: Reader) -> None:
 def test_frictions_also_where_none_is_written(
     text: str, read: Reader, friction: float, ground: float | None
 ) -> None:
-    before, after = read(text), read(scale_text(text, friction=friction, ground=ground))
+    own = {FRICTION_SCALE: friction, **({} if ground is None else {FRICTION: ground})}
+    before, after = read(text), read(scale_text(text, own))
     highest = math.inf if ground is None else ground
     for one, other in zip(before.links, after.links, strict=True):
         expected = [
@@ -106,8 +108,8 @@ def test_frictions_also_where_none_is_written(
 
 
 def test_nothing_else_changes() -> None:
-    assert scale_text(URDF) == URDF
-    changed = scale_text(URDF, mass=2.0)
+    assert scale_text(URDF, {}) == URDF
+    changed = scale_text(URDF, {MASS_SCALE: 2.0})
     assert [
         line
         for line, other in zip(URDF.splitlines(), changed.splitlines(), strict=True)

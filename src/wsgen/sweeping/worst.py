@@ -8,6 +8,7 @@ the old one.
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
 import time
@@ -248,7 +249,9 @@ def _fill(request: SweepRequest, subject: Subject, variant: Variant, folder: Pat
         name = f"{_file_name(entity)}.{suffix}"
         if any(name == other for other, _ in robots):
             name = f"{_file_name(entity)}-{len(robots)}.{suffix}"
-        write_file(folder / name, _varied(text if file is None else _with_meshes(text, file), own))
+        write_file(
+            folder / name, scale_text(text if file is None else _with_meshes(text, file), own)
+        )
         robots.append((name, file))
     package = subject.package(variant.values)
     if package is not None:
@@ -304,17 +307,6 @@ def _with_meshes(text: str, file: Path) -> str:
     return apply_edits(text, edits)
 
 
-def _varied(text: str, own: Mapping[str, float]) -> str:
-    """The text of a robot with the numbers that wsgen's own parameters change in it."""
-    return scale_text(
-        text,
-        mass=own.get(MASS_SCALE, 1.0),
-        inertia=own.get(INERTIA_SCALE, 1.0),
-        friction=own.get(FRICTION_SCALE, 1.0),
-        ground=own.get(FRICTION),
-    )
-
-
 def _in_table(value: Value) -> str:
     """A value in a table of Markdown."""
     return write_value(value).replace("\\", "\\\\").replace("|", "\\|").replace("\n", " ")
@@ -360,33 +352,26 @@ COEFFICIENTS = ("mu", "mu2")
 DEFAULT_FRICTION = 1.0
 
 
-def scale_text(
-    text: str,
-    *,
-    mass: float = 1.0,
-    inertia: float = 1.0,
-    friction: float = 1.0,
-    ground: float | None = None,
-) -> str:
-    """The text with these factors on all masses, moments of inertia and frictions.
+def scale_text(text: str, own: Mapping[str, float]) -> str:
+    """The text with the numbers that wsgen's own parameters change in it.
 
     Args:
         text: A URDF, expanded, or an SDF model.
-        mass: On the mass and the inertia of each link.
-        inertia: On the inertia alone.
-        friction: On the friction coefficients.
-        ground: The friction coefficient of the ground; where it is the smaller one, it is that of
+        own: Factors on the masses and inertias of links, on their inertias alone, and on their
+            frictions; and the friction of the ground: where it is the smaller one, it is that of
             the contact.
     """
+    mass, inertia, friction = (
+        own.get(name, 1.0) for name in (MASS_SCALE, INERTIA_SCALE, FRICTION_SCALE)
+    )
     tags = read_tags(text)
     edits: list[Edit] = []
     if (mass, inertia) != (1.0, 1.0):
         edits += _of_inertials(text, tags, mass, mass * inertia)
-    if friction != 1.0 or ground is not None:
-        highest = float("inf") if ground is None else ground
+    if friction != 1.0 or FRICTION in own:
         is_urdf = any(tag.name == "robot" and not tag.path for tag in tags)
         edit = _of_urdf if is_urdf else _of_sdf
-        edits += edit(text, tags, friction, highest)
+        edits += edit(text, tags, friction, own.get(FRICTION, math.inf))
     return apply_edits(text, edits)
 
 
