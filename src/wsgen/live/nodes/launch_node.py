@@ -198,17 +198,18 @@ class LaunchNode:
     def _change(self, request: dict[str, Any]) -> None:
         message = ChangeState.Request()
         message.transition.id = request["transition"]
-        number = request["id"]
-        self._wait(
-            f"{request['node']}/change_state",
-            message,
-            kind=ChangeState,
-            probe=(GetState, f"{request['node']}/get_state"),
-            node=request["node"],
-            request=request,
-            answer=lambda answer: self._notify(
-                "changed", id=number, success=answer.success, error=""
-            ),
+        number, node = request["id"], request["node"]
+        self._waiting.append(
+            Waiting(
+                request=request,
+                node=node,
+                client=self._client(ChangeState, f"{node}/change_state"),
+                probe=Probe(self._node, GetState, f"{node}/get_state"),
+                message=message,
+                answer=lambda answer: self._notify(
+                    "changed", id=number, success=answer.success, error=""
+                ),
+            )
         )
 
     def _load(self, request: dict[str, Any]) -> None:
@@ -221,21 +222,22 @@ class LaunchNode:
         message.remap_rules = request["remappings"]
         message.parameters = _parameters(request["parameters"])
         message.extra_arguments = _parameters(request["extra_arguments"])
-        number = request["id"]
-        self._wait(
-            f"{request['container']}/_container/load_node",
-            message,
-            kind=LoadNode,
-            probe=(ListNodes, f"{request['container']}/_container/list_nodes"),
-            node=request["container"],
-            request=request,
-            answer=lambda answer: self._notify(
-                "loaded",
-                id=number,
-                success=answer.success,
-                name=answer.full_node_name,
-                error=answer.error_message,
-            ),
+        number, node = request["id"], request["container"]
+        self._waiting.append(
+            Waiting(
+                request=request,
+                node=node,
+                client=self._client(LoadNode, f"{node}/_container/load_node"),
+                probe=Probe(self._node, ListNodes, f"{node}/_container/list_nodes"),
+                message=message,
+                answer=lambda answer: self._notify(
+                    "loaded",
+                    id=number,
+                    success=answer.success,
+                    name=answer.full_node_name,
+                    error=answer.error_message,
+                ),
+            )
         )
 
     def _drop(self, request: dict[str, Any]) -> None:
@@ -246,32 +248,11 @@ class LaunchNode:
 
     # What is waited for.
 
-    def _wait(  # noqa: PLR0913  what a call of a service has
-        self,
-        service: str,
-        message: Any,
-        *,
-        kind: Any,
-        probe: tuple[Any, str],
-        node: str,
-        request: dict[str, Any],
-        answer: Callable[[Any], object],
-    ) -> None:
-        client = self._clients.get(service)
-        if client is None:
-            client = self._clients[service] = self._node.create_client(kind, service)
-        # The last to be announced.
-        asks = Probe(self._node, *probe)
-        self._waiting.append(
-            Waiting(
-                request=request,
-                node=node,
-                client=client,
-                message=message,
-                answer=answer,
-                probe=asks,
-            )
-        )
+    def _client(self, kind: Any, service: str) -> Any:
+        """That of a service; its probe, which is made after it, is the last to be announced."""
+        if service not in self._clients:
+            self._clients[service] = self._node.create_client(kind, service)
+        return self._clients[service]
 
     def _is_done(self, one: Waiting) -> bool:
         """Call the service when it is there; whether its answer has come."""

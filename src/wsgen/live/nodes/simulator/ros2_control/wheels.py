@@ -51,30 +51,23 @@ class Limits:
         least, most = bounds("velocity")
         least_jerk, most_jerk = bounds("jerk")
         if is_former:
-            least_rate, most_rate = bounds("acceleration")
-            return cls(
-                least=least,
-                most=most,
-                speeding_up=most_rate,
-                slowing_down=least_rate,
-                speeding_back=least_rate,
-                slowing_back=most_rate,
-                least_jerk=least_jerk,
-                most_jerk=most_jerk,
-            )
-        up = parameters.bound(f"{prefix}.max_acceleration")
-        down = parameters.bound(f"{prefix}.max_deceleration")
-        back = parameters.bound(f"{prefix}.max_acceleration_reverse")
-        slower_back = parameters.bound(f"{prefix}.max_deceleration_reverse")
-        if up is not None and down is None:
-            down = -up
+            down, up = speeding_back, slowing_back = bounds("acceleration")
+        else:
+            up = parameters.bound(f"{prefix}.max_acceleration")
+            down = parameters.bound(f"{prefix}.max_deceleration")
+            if up is not None and down is None:
+                down = -up
+            back = parameters.bound(f"{prefix}.max_acceleration_reverse")
+            slower_back = parameters.bound(f"{prefix}.max_deceleration_reverse")
+            speeding_back = _mirrored(up) if back is None else back
+            slowing_back = _mirrored(down) if slower_back is None else slower_back
         return cls(
             least=least,
             most=most,
             speeding_up=up,
             slowing_down=down,
-            speeding_back=_mirrored(up) if back is None else back,
-            slowing_back=_mirrored(down) if slower_back is None else slower_back,
+            speeding_back=speeding_back,
+            slowing_back=slowing_back,
             least_jerk=least_jerk,
             most_jerk=most_jerk,
         )
