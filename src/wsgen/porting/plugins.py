@@ -60,6 +60,7 @@ _TORQUE, _SOURCE = "max_wheel_torque", "odometry_source"
 _LATER = (_ACCELERATION, _TORQUE, _SOURCE)
 _HOLDERS_OF_JOINTS = ("robot", "model", "xacro:macro")
 _FAST = 1000  # rad/s, faster than any wheel: a <limit> of URDF has a velocity
+_SLOW = 100  # rad/s, below which it may be slower than one
 _UNREAD = "odometry_of_wheels"  # a topic that no bridge converts
 _BY_WHEELS = ("0", "encoder")  # where the odometry is from
 
@@ -428,8 +429,11 @@ def _set_effort(port: Porter, joint: Node, effort: str) -> None:
         if limit is None:
             attributes = f'effort="{effort}" velocity="{_FAST}"'
             port.editor.append(joint, Block("limit", (), attributes))
-        elif number(limit.get("effort")) != number(effort) or number(effort) is None:
+            return
+        if number(limit.get("effort")) != number(effort) or number(effort) is None:
             port.editor.set_attribute(limit, "effort", effort)
+        if _is_slow(limit.get("velocity")):
+            port.editor.set_attribute(limit, "velocity", str(_FAST))
         return
     axis = joint.find("axis")
     if axis is None:
@@ -439,6 +443,14 @@ def _set_effort(port: Porter, joint: Node, effort: str) -> None:
         port.editor.append(axis, Block("limit", [Block("effort", effort)]))
     else:
         port.editor.put(limit, "effort", effort)
+        if _is_slow(limit.value("velocity")):
+            port.editor.put(limit, "velocity", str(_FAST))
+
+
+def _is_slow(velocity: str) -> bool:
+    """Whether a wheel would turn slower than in Gazebo Classic, whose motors know no such limit."""
+    most = number(velocity)
+    return most is not None and 0 <= most < _SLOW
 
 
 def _limit_acceleration(port: Porter, plugin: ClassicPlugin, separation: str) -> None:
