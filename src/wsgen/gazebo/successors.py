@@ -341,6 +341,7 @@ ON_FUEL = {
     "cafe": "Cafe",
     "cafe_table": "Cafe table",
     "cardboard_box": "Cardboard box",
+    "checkerboard_plane": "Checkerboard Plane",
     "coke_can": "Coke Can",
     "collapsed_house": "Collapsed House",
     "construction_barrel": "Construction Barrel",
