@@ -109,7 +109,7 @@ add_executable(n node.cpp)
 ament_target_dependencies(n rclcpp)
 
 # It pushes.
-if(gazebo_FOUND)
+if(gazebo_ros_FOUND)
 add_library(push SHARED push.cpp)
 # Against Gazebo:
 ament_target_dependencies(push
@@ -117,11 +117,11 @@ ament_target_dependencies(push
 endif()
 install(TARGETS n
   DESTINATION lib/${PROJECT_NAME})
-if(gazebo_FOUND)
+if(gazebo_ros_FOUND)
 install(TARGETS push
   DESTINATION lib/${PROJECT_NAME})
 endif()
-if(gazebo_FOUND)
+if(gazebo_ros_FOUND)
 install(TARGETS push LIBRARY DESTINATION lib)
 endif()
 """

@@ -125,7 +125,8 @@ def _built_with_classic(
         for one in commands
         if one.name == "find_package" and one.arguments and one.arguments[0].text in _FOUND
     ]
-    condition = next((name for name in _FOUND if name in found and name != MESSAGES), None)
+    # Gazebo itself may be installed where ROS has nothing for it.
+    condition = next((name for name in reversed(_FOUND) if name in {*found} - {MESSAGES}), None)
     if condition is None:
         return
     guarded = _guarded(commands)
