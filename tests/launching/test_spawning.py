@@ -89,6 +89,11 @@ def test_topic_and_pose() -> None:
     assert spawn.process.line == 7
 
 
+def test_a_model_keeps_its_own_name() -> None:
+    words = ("-topic", "robot_description", "-entity", "")
+    assert only_spawn(spawner(*words), publisher()).entity == "r"
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("node", "is_given", "launch_argument"),

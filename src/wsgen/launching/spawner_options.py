@@ -155,7 +155,8 @@ def _lacking(process: Process, options: Options, values: Mapping[str, str]) -> I
             f"{process.executable} needs {exactly}one of {all_sources}, but is given {found}.",
             "Usually it is '-topic', 'robot_description'.",
         )
-    if options.needs_entity and not values.get(options.entity):
+    # With an empty one the model keeps its own name (gazebo_ros_factory.cpp).
+    if options.needs_entity and options.entity not in values:
         yield _Remark(
             f"{process.executable} is not given -{options.entity}, the name of the model.",
             f"Add '-{options.entity}', 'NAME' to its arguments.",
