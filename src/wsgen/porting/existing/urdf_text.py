@@ -78,7 +78,6 @@ def describe(  # noqa: PLR0913  what a reader knows
     robot = _with_shares(robot, {*crosses, *between})
     robot, of_shapes = build_shapes(robot, file=file, folder=scratch)
     robot, of_parts = _with_parts(robot, file, scratch)
-    notes = (*notes, *_too_light(robot, file))
     writer = _Writer(robot, scratch)
     text = "\n".join((*writer.lines(extensions), ""))
     return Description(
@@ -160,20 +159,6 @@ def _with_parts(robot: Robot, file: Path, scratch: Path) -> tuple[Robot, tuple[D
         for link in robot.links
     )
     return replace(robot, links=tuple(links)), found
-
-
-def _too_light(robot: Robot, file: Path) -> Iterator[Unported]:
-    """The links that Gazebo drops from a URDF, though not from another file."""
-    moving = {joint.child for joint in robot.joints if joint.is_movable}
-    for link in robot.links:
-        if link.name in moving and link.inertial is not None and link.inertial.mass < LEAST_MASS:
-            yield Unported(
-                file=file,
-                line=link.line or 1,
-                what=f"The link `{link.name}` has a mass of {link.inertial.mass:g} kg. In a URDF "
-                "Gazebo takes that for 0: it leaves out the link, and all behind it.",
-                advice=f"Write {LEAST_MASS:g} kg or more.",
-            )
 
 
 def _with_shares(robot: Robot, crosses: Collection[str]) -> Robot:
