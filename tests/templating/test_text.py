@@ -4,7 +4,7 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from wsgen.errors import RequestError
-from wsgen.templating.environment import markdown_text, toml_string, xml_text
+from wsgen.templating.environment import markdown_message, markdown_text, toml_string, xml_text
 from wsgen.templating.spec import check_description, check_maintainer_email, check_maintainer_name
 
 if sys.version_info >= (3, 11):
@@ -106,3 +106,8 @@ def test_bad_email(email: str) -> None:
 )
 def test_markdown_shows_the_text_as_it_is(text: str, shown: str) -> None:
     assert markdown_text(text) == shown
+
+
+def test_markdown_shows_a_message_with_its_names() -> None:
+    message = "The mesh `my_leg.stl` of <leg_2>\nis *gone*."
+    assert markdown_message(message) == r"The mesh `my_leg.stl` of \<leg\_2\> is \*gone\*."

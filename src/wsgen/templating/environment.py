@@ -140,6 +140,7 @@ class Environment(ImmutableSandboxedEnvironment):
         )
         self.filters.update(
             markdown_text=markdown_text,
+            markdown_message=markdown_message,
             toml_string=toml_string,
             toml_value=toml_value,
             xml_text=xml_text,
@@ -264,6 +265,12 @@ def toml_value(value: Answer) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     return toml_string(value) if isinstance(value, str) else repr(value)
+
+
+def markdown_message(text: str) -> str:
+    """Escape a message of wsgen, whose names stand between backticks, as they do in Markdown."""
+    parts = enumerate(" ".join(text.split()).split("`"))
+    return "`".join(part if place % 2 else part.translate(_MARKDOWN) for place, part in parts)
 
 
 def markdown_text(text: str) -> str:
