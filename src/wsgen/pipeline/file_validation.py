@@ -45,9 +45,10 @@ if TYPE_CHECKING:
 
 Kind = Literal["urdf", "xacro", "sdf"]
 
-ROOT = lazy_pattern(
-    rb"(?:\xef\xbb\xbf)?(?:\s|<\?.*?\?>|<!--.*?-->|<![^>-]*>)*<(robot|sdf)\b", re.DOTALL
-)
+# A comment ends at its first end: if it could go on, the ways to part many of them would be endless.
+COMMENT = rb"<!--(?:(?!-->).)*-->"
+AHEAD = rb"(?:\xef\xbb\xbf)?(?:\s|<\?(?:(?!\?>).)*\?>|" + COMMENT + rb"|<!(?!--)[^>]*>)*"
+ROOT = lazy_pattern(AHEAD + rb"<(robot|sdf)\b", re.DOTALL)
 XACRO = lazy_pattern(rb"xmlns:xacro.*(?:<xacro:|\$[({])", re.DOTALL)
 MACRO = lazy_pattern(rb"<xacro:macro\s[^>]*?name\s*=\s*[\"']([^\"']+)")
 INCLUDE = lazy_pattern(rb"<xacro:include\s[^>]*?filename\s*=\s*[\"'](?:[^\"']*/)?([^\"'/]+)[\"']")

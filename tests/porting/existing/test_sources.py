@@ -32,6 +32,15 @@ def test_a_file_is_of_its_package(tmp_path: Path) -> None:
     assert source.share_of("arm_description") == urdf.parents[1]
 
 
+def test_comments_ahead_take_no_time(tmp_path: Path) -> None:
+    """Sixty lines of a license, each a comment of its own, before what is no robot."""
+    ahead = '<?xml version="1.0"?>\n' + "<!-- All rights reserved. -->\n" * 60
+    (tmp_path / "a.launch.xml").write_text(f"{ahead}<launch/>")
+    (tmp_path / "b.sdf").write_text(f"<sdf version='1.9'>{ahead[22:]}<world name='w'/></sdf>")
+    (tmp_path / "c.xml").write_text(f"{ahead}<!DOCTYPE a-b>{ahead[22:]}<mujoco><body/></mujoco>")
+    assert opened(tmp_path, tmp_path / "scratch").file.name == "c.xml"
+
+
 def test_a_link_is_where_it_leads(tmp_path: Path) -> None:
     urdf = write_arm(tmp_path)
     (tmp_path / "secret").write_text("")

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.descriptions.sdf.lookup import file_of_model, is_file
 from wsgen.errors import NotFoundError, NotReadableError, RequestError
 from wsgen.packages.workspace.overlay import overlay_of
-from wsgen.pipeline.file_validation import INCLUDE, kind_of, read
+from wsgen.pipeline.file_validation import AHEAD, COMMENT, INCLUDE, kind_of, read
 from wsgen.pipeline.prepare import share_around
 from wsgen.text.files import irregular_kind
 from wsgen.text.suggestions import ask_for_nearest
@@ -41,14 +41,12 @@ _MESHES = (".stl", ".obj", ".dae", ".glb", ".gltf", ".ply", ".step", ".stp", ".i
 _DESCRIPTION_FILES = (".urdf", ".xacro", ".sdf", ".xml")
 _PASSED = frozenset(("build", "install", "log", "devel", "__MACOSX", "node_modules"))  # folders
 _LINK = re.compile(rb"<(?:link|xacro:[\w.-]+)\b")
-_MJCF = re.compile(
-    rb"(?:\xef\xbb\xbf)?(?:\s|<\?.*?\?>|<!--.*?-->|<![^>-]*>)*<mujoco(?:include)?\b", re.DOTALL
-)
+_MJCF = re.compile(AHEAD + rb"<mujoco(?:include)?\b", re.DOTALL)
 _MJCF_BODY = re.compile(rb"<body\b|<include\b|<attach\b|<model\b")
 _MJCF_INCLUDE = re.compile(
     rb"<(?:include|model)\s[^>]*?file\s*=\s*[\"'](?:[^\"']*/)?([^\"'/]+)[\"']"
 )
-_SDF_MODEL = re.compile(rb"<sdf\b[^>]*>(?:\s|<!--.*?-->)*<model\b", re.DOTALL)
+_SDF_MODEL = re.compile(rb"<sdf\b[^>]*>(?:\s|" + COMMENT + rb")*<model\b", re.DOTALL)
 _NAME = re.compile(rb"<name>\s*([\w-]+)\s*</name>")
 # A description lies in one of these, beside the folder of its meshes.
 _DESCRIPTIONS = frozenset(("urdf", "xacro", "robots", "sdf", "mjcf"))
