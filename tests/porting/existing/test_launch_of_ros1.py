@@ -636,6 +636,16 @@ def test_texts_stay_texts(package: Any, text: str) -> None:
     assert all(one.line >= 1 and one.advice for one in ported.notes)
 
 
+@pytest.mark.slow
+def test_what_uses_an_argument_that_is_left_out(package: Any) -> None:
+    made = package(
+        '<arg name="file" default="$(find nobody_knows)/a.xacro"/>\n'
+        '<param name="robot_description" command="$(find xacro)/xacro $(arg file)"/>\n' + PUBLISHER
+    )
+    assert [one.partition(":")[0] for one in notes(made.port())] == ["3", "2"]
+    assert len(made.plan().processes) == 1
+
+
 def test_launch_files_that_include_each_other(package: Any) -> None:
     ported = package('<include file="$(dirname)/a.launch"/>').port()
     assert "a.launch.py" in str(ported.text)

@@ -328,6 +328,9 @@ class _Port:
 
     def result(self) -> PortedLaunch:
         """The new file, and what it needs."""
+        for name, text in [*self.values.declared.items()]:
+            if not self._is_said(text or ""):  # its element is left out; so is then what uses it
+                del self.values.declared[name]
         self._attach()
         actions = self._walk(self.root)
         settings = [Item("", one.code, one.comments) for one in actions if one.is_setting]
@@ -335,6 +338,13 @@ class _Port:
         text = whole_file(self.values, self.file.name, settings, started)
         needs, used = frozenset(self.packages), frozenset(self.used)
         return PortedLaunch(text, needs, tuple(self.notes), self.files, used)
+
+    def _is_said(self, text: str) -> bool:
+        try:
+            self.values.path(text)
+        except UnsaidError:
+            return False
+        return True
 
     def _walk(self, parent: Element) -> list[_Action]:
         """The actions for the elements in another one; what sets something comes first.

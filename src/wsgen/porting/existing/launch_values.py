@@ -250,7 +250,7 @@ class Values:
 
     def __init__(
         self,
-        declared: Mapping[str, str | None],
+        declared: dict[str, str | None],
         find: Callable[[str], str],
         place: Callable[[str], str],
         package: str,
