@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
 Kind = Literal["urdf", "xacro", "sdf"]
 
-# A comment ends at its first end: if it could go on, the ways to part many of them would be endless.
+# A comment ends at its first end: if it could go on, many could be parted in endless ways.
 COMMENT = rb"<!--(?:(?!-->).)*-->"
 AHEAD = rb"(?:\xef\xbb\xbf)?(?:\s|<\?(?:(?!\?>).)*\?>|" + COMMENT + rb"|<!(?!--)[^>]*>)*"
 ROOT = lazy_pattern(AHEAD + rb"<(robot|sdf)\b", re.DOTALL)
