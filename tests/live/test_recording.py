@@ -165,7 +165,8 @@ def test_messages_that_are_lost_are_counted(tmp_path: Path, variables: Mapping[s
     first, last = found[0][0], found[-1][0]
     assert last == 300
     assert len(found) < 300
-    assert dict(reported.lost) == {"/said": last - first + 1 - len(found)}
+    lost = last - first + 1 - len(found)  # those before the first that came are not known
+    assert dict(reported.lost) == ({"/said": lost} if lost else {})
 
 
 def test_ctrl_c_ends_the_writing_of_what_waits(
