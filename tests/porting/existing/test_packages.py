@@ -228,6 +228,24 @@ def test_arguments_are_kept(here: Path, tmp_path: Path, capsys: pytest.CaptureFi
     )
 
 
+def test_packages_beside_the_given_one_are_found(
+    here: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """By xacro, too: many arms include the materials of a package of all arms."""
+    package = write_rover(tmp_path)
+    include = '<robot xmlns:xacro="x"><xacro:include filename="$(find {0})/{0}.xacro"/></robot>'
+    (package / "urdf" / "parts" / "wheel.xacro").write_text(include.format("wheels"))
+    for name, text in (("wheels", include.format("masses")), ("masses", WHEEL)):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "package.xml").write_text(f"<package><name>{name}</name></package>")
+        (tmp_path / name / f"{name}.xacro").write_text(text)
+    assert new(package, "--format", "json") == 0
+    robot = robot_in(capsys)
+    assert robot["same"] is True
+    assert "without its macros" in robot["notes"][0]
+    assert [file.name for file in (made(here) / "urdf").iterdir()] == ["rover.urdf"]
+
+
 def test_what_includes_others_is_expanded(
     here: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -12,6 +12,7 @@ from wsgen.descriptions.xacro.reader import expand_file
 from wsgen.diagnostics import Severity
 from wsgen.errors import NotReadableError
 from wsgen.packages.source_shares import serve_sources
+from wsgen.pipeline.file_validation import read
 from wsgen.porting.existing.description import Description
 from wsgen.porting.existing.mjcf import read_mjcf
 from wsgen.porting.existing.resources import (
@@ -22,6 +23,7 @@ from wsgen.porting.existing.resources import (
     usable,
 )
 from wsgen.porting.existing.sdf_model import read_sdf_model
+from wsgen.porting.existing.sources import files_below
 from wsgen.text.files import read_regular
 from wsgen.text.xmltree import Malformed, parse
 
@@ -38,6 +40,8 @@ _ENCODING = re.compile(rb"<\?xml[^>]*?encoding\s*=\s*[\"']([\w.-]+)")
 _NO_LINE_END = re.compile(r"[^\n]")
 _MESH = re.compile(r'<mesh filename="([^"]*)"')
 _PACKAGE = re.compile(r"(?:package|model)://([\w.-]+)/")
+_OF_XACRO = frozenset((".xacro", ".urdf", ".gazebo", ".xml"))
+_FIND = re.compile(rb"\$\(find\s+([\w.-]+)\s*\)")
 
 
 def read_robot(  # noqa: PLR0913  what is asked for, and where
@@ -101,7 +105,7 @@ def _read(
     source: Source, arguments: Mapping[str, str], environment: Mapping[str, str], scratch: Path
 ) -> str:
     if source.kind == "xacro":
-        served = serve_sources(source.packages, scratch / "prefixes", environment)
+        served = serve_sources(_looked_up(source), scratch / "prefixes", environment)
         text, found = expand_file(source.file, arguments, environment=served)
         refuse(found, source)
         return text or ""
@@ -119,6 +123,21 @@ def _read(
             hint=f"Fix the line; wsgen check --fix {source.file} may do it.",
         )
     return text
+
+
+def _looked_up(source: Source) -> dict[str, Path]:
+    """The packages of the source, and those beside it that its xacro files, or theirs, look up."""
+    found = {**source.packages}
+    folders = [source.roots[0]]
+    for folder in folders:
+        for file in files_below(folder):
+            if file.suffix.lower() in _OF_XACRO:
+                for name in map(bytes.decode, _FIND.findall(read(file))):
+                    share = None if name in found else source.share_of(name)
+                    if share is not None:
+                        found[name] = share
+                        folders.append(share)
+    return found
 
 
 def _decoded(data: bytes) -> str:
