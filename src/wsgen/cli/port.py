@@ -255,13 +255,19 @@ def _left(plan: PortPlan) -> list[str]:
     """What the author has to do, by file and line; one advice for all that it is about."""
     from wsgen.cli.words import short_path
 
-    by_advice: dict[str, list[str]] = {}
-    for one in plan.unported:
-        by_advice.setdefault(one.advice, []).append(
-            f"  {short_path(one.file)}:{one.line}: {one.what}"
-        )
-    lines = [line for advice, those in by_advice.items() for line in (*those, f"    {advice}")]
-    return ["Left to you:", *lines] if lines else []
+    lines: list[str] = []
+    for heading, is_note in (
+        ("Left to you:", False),
+        ("Left to you, if you need it; robots do what they did:", True),
+    ):
+        by_advice: dict[str, list[str]] = {}
+        for one in plan.unported:
+            if one.is_note == is_note:
+                place = f"  {short_path(one.file)}:{one.line}: {one.what}"
+                by_advice.setdefault(one.advice, []).append(place)
+        lines += [heading] if by_advice else []
+        lines += [line for advice, those in by_advice.items() for line in (*those, f"    {advice}")]
+    return lines
 
 
 def _summary(plan: PortPlan, *, quiet: bool) -> list[str]:

@@ -173,6 +173,7 @@ def _port_material(port: Porter, material: Node) -> None:
                 material,
                 f"xacro computes the name of the material: `{material.text}`.",
                 "Write <visual><material> with <ambient> and <diffuse>.",
+                is_note=True,
             )
             return
         blocks = _colors(port, material, material.text)
@@ -192,6 +193,7 @@ def _port_material(port: Porter, material: Node) -> None:
                 script,
                 f"xacro computes the name of the material: `{name}`.",
                 "Write <ambient> and <diffuse>.",
+                is_note=True,
             )
             return
         blocks = _colors(port, script, name)
@@ -219,6 +221,7 @@ def _colors(port: Porter, node: Node, name: str) -> list[Block]:
             node,
             f"Gazebo Sim does not read the script of the material `{name}`.",
             "Write its colors into <ambient> and <diffuse>, and a texture into <pbr>.",
+            is_note=True,
         )
         return []
     if name in TEXTURED:
@@ -226,6 +229,7 @@ def _colors(port: Porter, node: Node, name: str) -> list[Block]:
             node,
             f"The texture of `{name}` does not exist in Gazebo Sim; the color is like it.",
             "Write a texture into <pbr> if you need one.",
+            is_note=True,
         )
     return colors(name)
 

@@ -17,6 +17,7 @@ class Unported(NamedTuple):
     line: int  # 1-based
     what: str  # a sentence: what it is, or did
     advice: str  # a sentence: what the author may do
+    is_note: bool = False  # robots do what they did without it
 
 
 class BridgeRow(NamedTuple):

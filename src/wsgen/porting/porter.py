@@ -102,14 +102,14 @@ class Porter:
             efforts=tuple(self.efforts),
         )
 
-    def leave(self, node: Node, what: str, advice: str) -> None:
-        """List what the author has to port."""
-        self.unported.append(Unported(self.source.file, node.line, what, advice))
+    def leave(self, node: Node, what: str, advice: str, *, is_note: bool = False) -> None:
+        """List what the author has to port; a note is what no robot needs."""
+        self.unported.append(Unported(self.source.file, node.line, what, advice, is_note))
 
-    def leave_once(self, node: Node, what: str, advice: str) -> None:
+    def leave_once(self, node: Node, what: str, advice: str, *, is_note: bool = False) -> None:
         """List what is in many places of the file, at the first of them."""
         if all(one.what != what for one in self.unported):
-            self.leave(node, what, advice)
+            self.leave(node, what, advice, is_note=is_note)
 
     def plugin(self, node: Node) -> ClassicPlugin:
         """A plugin of Gazebo Classic."""

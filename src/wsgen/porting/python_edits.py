@@ -171,9 +171,9 @@ class PythonEdits:
         self.done.update(ast.walk(first), ast.walk(last))
         self.edits.append(Edit(start=start, end=end, text=""))
 
-    def leave(self, node: Located, what: str, advice: str) -> None:
+    def leave(self, node: Located, what: str, advice: str, *, is_note: bool = False) -> None:
         """List what is left to the author."""
-        self.unported.append(Unported(self.source.file, node.lineno, what, advice))
+        self.unported.append(Unported(self.source.file, node.lineno, what, advice, is_note))
 
     def all_edits(self) -> tuple[Edit, ...]:
         """The edits, with the imports that they need.

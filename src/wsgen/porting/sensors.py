@@ -235,6 +235,7 @@ def _camera(port: Porter, sensor: Node, plugin: ClassicPlugin) -> None:
             plugin.node,
             "Its <hack_baseline> was in the projection matrix of `camera_info`.",
             "Write <lens><projection><tx> into the <camera> if a node reads it.",
+            is_note=True,
         )
 
 

@@ -121,7 +121,9 @@ def _port_world(port: Porter, world: Node, systems: Collection[str]) -> None:
     for node in world.children(*_ONLY_CLASSIC):
         what, advice = _ONLY_CLASSIC[node.name]
         port.editor.comment_out(node)
-        port.leave(node, f"Gazebo Sim does not have <{node.name}>, which {what}.", advice)
+        port.leave(
+            node, f"Gazebo Sim does not have <{node.name}>, which {what}.", advice, is_note=True
+        )
 
 
 def _load(port: Porter, world: Node, needed: Collection[str]) -> None:
@@ -223,6 +225,7 @@ def _port_gui(port: Porter, gui: Node) -> None:
                 node,
                 "Gazebo Sim does not read the view of the window from <camera>.",
                 "Set the view in the window, and save its configuration.",
+                is_note=True,
             )
         elif node.get("filename").startswith("lib") and not is_of_gz(node.get("filename")):
             _leave_plugin(port, node, stem(node.get("filename")), "window", {})
@@ -279,6 +282,7 @@ def _port_state(port: Porter, world: Node, state: Node) -> None:
         "Set the positions of joints where models need them: they are not kept."
         if has_joints
         else "Check the places of the models.",
+        is_note=not has_joints,
     )
 
 

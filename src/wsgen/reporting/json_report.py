@@ -320,7 +320,9 @@ def render_port(plan: PortPlan, *, is_written: bool) -> str:
             *({"path": _plain(file), "new": True} for file, _ in plan.created),
             *({"path": _plain(fix.file), "new": False} for fix in plan.files),
         ],
-        left=[fields(one, "file line what advice") for one in plan.unported],
+        left=[
+            {**fields(one, "file line what advice"), "note": one.is_note} for one in plan.unported
+        ],
     )
 
 
