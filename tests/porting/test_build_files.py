@@ -243,15 +243,65 @@ def test_hooks() -> None:
     assert port_hook(SourceText(source.file, after)).edits == ()
 
 
-def test_a_hook_that_asks_for_gazebo_classic_is_listed() -> None:
+def test_a_hook_does_without_the_question_for_gazebo_classic() -> None:
     text = """\
-if test -f /usr/share/gazebo/setup.bash; then
+# Of Gazebo
+SETUP="/usr/share/gazebo/setup.bash"
+OWN=/usr/share/other
+if test -f "$SETUP"; then
+    source $SETUP
+    # Our models
+    if test -d "$OWN"; then
+        ament_prepend_unique_value GAZEBO_MODEL_PATH "$OWN"
+    fi
     ament_prepend_unique_value GAZEBO_MODEL_PATH "$PREFIX/models"
+fi
+
+if [ -d /usr/share/ignition ]
+then
+    ament_prepend_unique_value IGN_GAZEBO_RESOURCE_PATH "$PREFIX/models"
 fi
 if test -d /usr/share/ignition; then
     ament_prepend_unique_value IGN_GAZEBO_RESOURCE_PATH "$PREFIX/models"
 fi
 """
+    source = SourceText(Path("hook.sh"), text)
+    port = port_hook(source)
+    after = apply(text, port.edits)
+    assert (
+        after
+        == """\
+# Of Gazebo
+OWN=/usr/share/other
+# Our models
+if test -d "$OWN"; then
+    ament_prepend_unique_value GZ_SIM_RESOURCE_PATH "$OWN"
+fi
+ament_prepend_unique_value GZ_SIM_RESOURCE_PATH "$PREFIX/models"
+
+if [ -d /usr/share/ignition ]
+then
+    ament_prepend_unique_value GZ_SIM_RESOURCE_PATH "$PREFIX/models"
+fi
+"""
+    )
+    assert [one.line for one in port.unported] == [13]
+    assert port_hook(SourceText(source.file, after)).edits == ()
+
+
+def test_a_hook_that_asks_for_gazebo_classic_and_more_is_listed() -> None:
+    text = """\
+if test -f /usr/share/gazebo/setup.bash && test -d /opt/own; then
+    ament_prepend_unique_value GAZEBO_MODEL_PATH "$PREFIX/models"
+fi
+if test -d /usr/share/ignition; then
+    ament_prepend_unique_value IGN_GAZEBO_RESOURCE_PATH "$PREFIX/models"
+else
+    echo none
+fi
+"""
+    source = SourceText(Path("hook.sh"), text)
+    port = port_hook(source)
     source = SourceText(Path("hook.sh"), text)
     port = port_hook(source)
     # None of the branches may become empty.

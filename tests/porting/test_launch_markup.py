@@ -289,6 +289,7 @@ def test_a_spawner_of_any_robot_has_the_topics_of_all() -> None:
     port = port_markup(source, context)
     assert BRIDGE.format(SCANS) in apply(source.text, port.edits)
     assert [one.line for one in port.unported] == [2]
+    assert port_markup(source, context._replace(are_all=True)).unported == ()
     known = context._replace(rows={2: []})
     assert port_markup(source, known).unported == ()
     assert "bridge" not in apply(source.text, port_markup(source, known).edits)

@@ -485,3 +485,102 @@ def test_a_file_is_not_ported_alone(tmp_path: Path, capsys: pytest.CaptureFixtur
         assert f"{alone} is not a package" in capsys.readouterr().err
         assert run([*command, str(alone), "--to", "jazzy"]) == 2
         assert "Give the folder of a package" in capsys.readouterr().err
+
+
+CHOSEN = {
+    **IN_A_WORLD,
+    "launch/world.launch.py": """import os
+
+from ament_index_python.packages import get_package_share_directory
+from launch import LaunchDescription
+from launch.actions import IncludeLaunchDescription
+from launch.launch_description_sources import PythonLaunchDescriptionSource
+from launch_ros.actions import Node
+
+
+def generate_launch_description():
+    share = get_package_share_directory('in_world')
+    robot = os.environ['MY_ROBOT'] + '.urdf'
+    settings = os.path.join(share, 'config', 'gazebo.yaml')
+    return LaunchDescription([
+        IncludeLaunchDescription(
+            PythonLaunchDescriptionSource(os.path.join(
+                get_package_share_directory('gazebo_ros'), 'launch', 'gazebo.launch.py')),
+            launch_arguments={
+                'extra_gazebo_args': '--ros-args --params-file ' + settings,
+            }.items(),
+        ),
+        Node(
+            package='gazebo_ros',
+            executable='spawn_entity.py',
+            arguments=['-entity', 'r', '-file', os.path.join(share, 'models', robot)],
+        ),
+    ])
+""",
+    "config/gazebo.yaml": "gazebo: # the node\n  ros__parameters:\n    publish_rate: 400.0",
+}
+
+
+def _lidar(topic: str) -> str:
+    return f"""<?xml version="1.0"?>
+<robot name="r">
+  <link name="base"/>
+  <gazebo reference="base">
+    <sensor name="{topic}" type="ray">
+      <plugin name="{topic}" filename="libgazebo_ros_ray_sensor.so">
+        <ros><remapping>~/out:={topic}</remapping></ros>
+        <output_type>sensor_msgs/LaserScan</output_type>
+      </plugin>
+    </sensor>
+  </gazebo>
+</robot>
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("is_set", [True, False])
+def test_a_robot_that_a_variable_names_is_bridged_whichever_it_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, is_set: bool
+) -> None:
+    models = {f"models/{name}.urdf": _lidar(f"scan_{name}") for name in ("a", "b")}
+    package = _written(tmp_path / "in_world", {**CHOSEN, **models})
+    monkeypatch.delenv("MY_ROBOT", raising=False)
+    if is_set:
+        monkeypatch.setenv("MY_ROBOT", "a")
+    planned = plan(package)
+    list(write_port(planned))
+    launch = (package / "launch" / "world.launch.py").read_text(encoding="utf-8")
+    for name in ("a", "b"):
+        assert launch.count(f"/scan_{name}@sensor_msgs/msg/LaserScan[gz.msgs.LaserScan") == 1
+    assert planned.unported == ()
+    assert "--params-file" not in launch
+
+
+@pytest.mark.slow
+def test_what_gazebo_classic_was_given_besides_its_clock_is_listed(tmp_path: Path) -> None:
+    more = CHOSEN["config/gazebo.yaml"] + "\n    other: 1\n"
+    package = _written(tmp_path / "in_world", {**CHOSEN, "config/gazebo.yaml": more})
+    assert "not a node of ROS" in plan(package).unported[0].what
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("include", "is_note"),
+    [
+        ('<!-- <xacro:include filename="part.xacro"/> -->', True),
+        ('<xacro:include filename="part.xacro"/>', False),
+        ('<xacro:arg name="part" default=""/><xacro:include filename="$(arg part)"/>', False),
+    ],
+)
+def test_a_part_that_no_robot_includes_needs_no_edit(
+    tmp_path: Path, include: str, *, is_note: bool
+) -> None:
+    robot = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+    part = '<robot><gazebo><plugin name="p" filename="libgazebo_ros_vacuum_gripper.so"/></gazebo>'
+    files = {
+        "package.xml": IN_A_WORLD["package.xml"],
+        "urdf/r.urdf.xacro": f"{robot}{include}<link name='base'/></robot>",
+        "urdf/part.xacro": f"{part}</robot>",
+    }
+    planned = plan(_written(tmp_path / "in_world", files))
+    assert [one.is_note for one in planned.unported] == [is_note]

@@ -49,6 +49,7 @@ _OF_INSTALL = (
     *("COMPONENT", "OPTIONAL", "PERMISSIONS"),
 )
 _INSTALLED = re.compile(r"/usr/share/(?:gazebo|ignition)\b[^\s\"';:]*")
+_NAMES_INSTALLED = re.compile(rf"\s*(?:export\s+)?(\w+)=[\"']?{_INSTALLED.pattern}[\"']?\s*")
 _IS_FOUND = re.compile(r"gazebo(?:_\w+)?_FOUND")
 _SCOPES = ("PUBLIC", "PRIVATE", "INTERFACE", "SYSTEM", "BEFORE", "AFTER")
 _HEADER = rb"#\s*include\s*[<\"]gazebo(?:_\w+)?/"
@@ -411,16 +412,64 @@ def _import_of_glob(source: SourceText, tree: ast.Module) -> Edit:
     return Edit(start=place, end=place, text=f"from glob import glob{source.newline}")
 
 
+def _tests_of_classic(lines: Sequence[str]) -> tuple[set[int], set[int]]:
+    """What asks in a hook whether a simulator is installed that Gazebo Sim does without.
+
+    Returns:
+        The numbers of lines that go, and of those that always apply then: conditions without an
+        `else`, what they load, and variables that name the simulator for them.
+    """
+    names = {
+        found[1]: number
+        for number, line in enumerate(lines)
+        if (found := _NAMES_INSTALLED.fullmatch(line))
+    }
+    about = re.compile(rf"{_INSTALLED.pattern}|\$\{{?(?:{'|'.join(names) or '(?!)'})\b")
+    gone: set[int] = set()
+    inside: set[int] = set()
+    opened: list[tuple[int, bool]] = []
+    for number, line in enumerate(lines):
+        words = re.split(r"[\s;]+", line.strip())
+        if words[0] == "if":
+            is_plain = about.search(line) is not None and re.search(r"!|&&|\|\|", line) is None
+            opened.append((number, is_plain))
+        elif words[0] in {"else", "elif"} and opened:
+            opened[-1] = number, False
+        elif words[0] == "fi" and opened:
+            start, is_about = opened.pop()
+            if is_about and words == ["fi"] and lines[start].rstrip().endswith("then"):
+                gone |= {start, number}
+                inside |= set(range(start + 1, number))
+    gone |= {
+        one
+        for one in inside
+        if re.match(r"\s*(?:source|\.)\s", lines[one]) and about.search(lines[one])
+    }
+    left = [line for number, line in enumerate(lines) if number not in gone]
+    gone |= {
+        number
+        for name, number in names.items()
+        if gone and not any(re.search(rf"\$\{{?{name}\b", line) for line in left)
+    }
+    return gone, inside
+
+
 def port_hook(source: SourceText) -> FilePort:
     """Set the variables of Gazebo Sim in a hook of the environment, each with a value once."""
     edits: list[Edit] = []
     unported: list[Unported] = []
-    seen = {line.strip() for line in source.text.splitlines()}
-    for found in re.finditer(r"[^\n]+(?:\n|\Z)", source.text):
-        line = re.sub(rf"\b(?:{'|'.join(VARIABLES)})\b", lambda name: VARIABLES[name[0]], found[0])
+    lines = [*re.finditer(r"[^\n]+(?:\n|\Z)", source.text)]
+    gone, inside = _tests_of_classic([one[0] for one in lines])
+    seen = {one[0].strip() for one in lines}
+    for number, found in enumerate(lines):
+        if number in gone:
+            edits.append(Edit(start=found.start(), end=found.end(), text=""))
+            continue
+        kept = re.sub(r"^(?:\t| {1,4})", "", found[0]) if number in inside else found[0]
+        line = re.sub(rf"\b(?:{'|'.join(VARIABLES)})\b", lambda name: VARIABLES[name[0]], kept)
         if line != found[0]:
             # A line of a branch may be all of it.
-            is_repeated = line.strip() in seen and not line[:1].isspace()
+            is_repeated = line != kept and line.strip() in seen and not line[:1].isspace()
             seen.add(line.strip())
             text = "" if is_repeated else line
             edits.append(Edit(start=found.start(), end=found.end(), text=text))

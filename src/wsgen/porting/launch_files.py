@@ -45,6 +45,7 @@ _HELP = f"ros2 run {PACKAGE} {SPAWNER} --help"
 CLIENT = "-g "
 PARTS = {"gazebo": "", "gzserver": "-s ", "gzclient": CLIENT}
 FILES = {f"{name}.launch.py": part for name, part in PARTS.items()}
+FILES_NOW = dict.fromkeys(FILES, LAUNCH_FILE)
 # Texts that are other ones for Gazebo Sim, wherever they stand.
 NAMES = {
     **VARIABLES,
@@ -100,7 +101,13 @@ _LOOKUPS = (
 )
 
 
+# Packages that are looked up -> what they are called for Gazebo Sim.
+_LOOKED_UP = {
+    OLD_PACKAGE: PACKAGE,
+    "gazebo_ros2_control_demos": "gz_ros2_control_demos",
+}
 OF_WORLD = 0  # no line of a call
+_OF_YAML = (".yaml", ".yml")
 
 
 class WorldTaker(NamedTuple):
@@ -124,6 +131,8 @@ class Context(NamedTuple):
     default_world: str | None = None
     # The topics of all robots, for spawners whose robot is only known when it is launched.
     any_rows: Sequence[BridgeRow] = ()
+    are_all: bool = False  # whether none of them has a name that is only known in a launch
+    clocks: Collection[str] = ()  # files that give the node of Gazebo Classic nothing but its clock
     stampers: Sequence[Stamper] = ()  # for the controllers that the launch file may start
     takers: Collection[WorldTaker] = ()
 
@@ -270,13 +279,22 @@ class _Port(PythonEdits):
                 self.remove(first, last)
             texts = [text.text for text in self.texts(one.value)]
             if name == "params_file" or any("--ros-args" in text for text in texts):
-                self.leave(one.key, *_OF_THE_NODE)
+                self._leave_parameters(one.key, texts)
             elif name not in {"world", *SWITCHES, *ENDS, *WITHOUT_LOSS}:
                 self.leave(
                     one.key,
                     f"The launch argument `{name}` of Gazebo Classic is gone.",
                     "Write what it did into `gz_args`, if `gz sim --help` has it.",
                 )
+
+    def _leave_parameters(self, node: ast.expr, texts: Sequence[str]) -> None:
+        """List the parameters of the node of Gazebo Classic, unless they are those of its clock.
+
+        Gazebo Sim publishes the clock in each step.
+        """
+        files = [name for text in texts if (name := text.rpartition("/")[2]).endswith(_OF_YAML)]
+        if not files or any(name not in self.context.clocks for name in files):
+            self.leave(node, *_OF_THE_NODE)
 
     def _give(self, call: ast.Call, entry: str) -> None:
         """Add launch arguments to an include that has none."""
@@ -434,7 +452,8 @@ class _Port(PythonEdits):
             elif text in {"--ros-args", _EXTRA}:
                 self.remove(node, words[-1])
                 if any(word is None or word.startswith("-") for word in texts[index:]):
-                    self.leave(node, *_OF_THE_NODE)
+                    files = (text.text for word in words[index:] for text in self.texts(word))
+                    self._leave_parameters(node, [*files])
                 break
             elif text in {"-s", "-g", "-p", "--params-file", f"--{_EXTRA}"}:
                 given = texts[index] if index < len(words) else ""
@@ -585,7 +604,7 @@ class _Port(PythonEdits):
             rows, names = self.context.rows_at(lines), self.names.get(call, {})
             if rows is None:
                 rows = self.context.any_rows
-                if rows:
+                if rows and not self.context.are_all:
                     self.leave(call, *UNKNOWN_ROBOT)
                 if NAMESPACE in names and self.said(names[NAMESPACE]) != "":
                     self.leave(names[NAMESPACE], *LOST_NAMESPACE)
@@ -644,6 +663,7 @@ class _Port(PythonEdits):
 
     def _names(self) -> None:
         """Write the names of Gazebo Sim where those of Classic are looked up or set."""
+        self._paths()
         finds = [
             call
             for call in self.calls("find")
@@ -653,9 +673,10 @@ class _Port(PythonEdits):
         ]
         for call in (*self.calls(*_LOOKUPS), *finds):
             text = self.text(argument(call, 0, "package", "package_name"))
-            if text is not None and text.text == OLD_PACKAGE:
-                self.rename(text, (OLD_PACKAGE, PACKAGE))
-                self.packages.add(PACKAGE)
+            new = _LOOKED_UP.get(text.text) if text is not None else None
+            if text is not None and new is not None:
+                self.rename(text, (text.text, new))
+                self.packages.add(new)
         for call in self.calls(*_LOOKS_FOR_ELEMENTS):
             text = self.text(argument(call, 0))
             path, _, name = text.text.rpartition("/") if text else ("", "", "")
@@ -677,6 +698,16 @@ class _Port(PythonEdits):
             if new is not None:
                 self.rename(text, (text.text, new))
         self._append_to_variables()
+
+    def _paths(self) -> None:
+        """Write the names of Gazebo Sim into paths that no action uses any more."""
+        for call in self.calls("join", "PathJoinSubstitution"):
+            texts = [*self.texts(call)]
+            names = [one.text.rpartition("/")[2] for one in texts]
+            if any(name in FILES for name in names):
+                for one, name in zip(texts, names, strict=True):
+                    if OLD_PACKAGE in re.split(r"[/\s]", one.text) or name in FILES:
+                        self.rename(one, (OLD_PACKAGE, PACKAGE), (name, FILES_NOW.get(name, name)))
 
     def _append_to_variables(self) -> None:
         """Where two variables become one, have the second add to what the first one sets."""

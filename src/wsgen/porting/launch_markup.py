@@ -246,7 +246,7 @@ class _Markup:
             names = {name: said.strip("/") for name, said in names.items()}
             if rows is None:
                 rows = self.context.any_rows
-                if rows:
+                if rows and not self.context.are_all:
                     self.leave(lines[0], *UNKNOWN_ROBOT)
                 if names.get(NAMESPACE):
                     self.leave(lines[0], *LOST_NAMESPACE)

@@ -70,6 +70,18 @@ _OF_MODEL = re.compile(r"<uri>\s*model://([^/<\s]+)/?\s*</uri>")
 _NAME_OF_WORLD = re.compile(r"<world\b[^>]*\bname\s*=\s*[\"']([^\"']+)")
 _MODEL = "model.config"  # in the folder of a model
 _OF_YAML = (".yaml", ".yml")
+_CLOCK = re.compile(
+    r"\s*/?gazebo:\s+ros__parameters:\s+(?:(?:publish_rate|use_sim_time)\s*:[ \t]*\S+\s*)+"
+)
+# A variable of the shell that a launch file reads, and that is not one of the tools'.
+_CHOSEN = re.compile(
+    r"(?:\benviron(?:\.get\(|\[)|\bgetenv\(|\bEnvironmentVariable\(|\$\((?:opt)?env )\s*"
+    r"(?:name\s*=\s*)?[\"']?(?!GAZEBO|GZ_|IGN_|HOME|ROS_|AMENT|COLCON|PYTHON|LD_|PATH|DISPLAY|USER)"
+)
+_ROBOT_TAG = re.compile(r"<robot\b[^>]*>")
+_HAS_NAME = re.compile(r"\sname\s*=")
+_XML_COMMENT = re.compile(r"(?s)<!--.*?-->")
+_COMPUTED_INCLUDE = re.compile(r"<xacro:include\b[^>]*filename\s*=\s*[\"'][^\"']*\$[^\"'/]*[\"']")
 _HOOKS = (".sh", ".sh.in", ".dsv", ".dsv.in")
 _CODE = (".cpp", ".cc", ".cxx", ".c", ".hpp", ".hh", ".h")
 _OF_CLASSIC = re.compile(
@@ -146,14 +158,16 @@ def plan_port(targets: Targets, target: Target, environment: Mapping[str, str]) 
         systems = frozenset().union(*(port.all().systems for port in ports))
         models = {name for port in ports for name in model_names(port.package.path)}
         models |= {port.package.name for port in ports}
-        any_rows = [*dict.fromkeys(row for port in ports for row in _fixed_rows(port, target))]
+        any_rows = [*dict.fromkeys(row for port in ports for row in _rows_of_robots(port, target))]
+        fixed = [row for row in any_rows if not any("$" in one or "{" in one for one in row)]
         stampers = [one for port in ports for one in _port_parameters(port, target)]
         stampers = [_as_renamed(one, ports) for one in stampers]
         for port in ports:
             _port_programs(port)
         services = joined(port.all() for port in ports).services
-        rows = launches.rows(target, robots, services)
-        known = _Known(rows, any_rows, systems, stampers)
+        rows = launches.rows(target, robots, services, fixed)
+        clocks = [name for port in ports for name in _clocks(port)]
+        known = _Known(rows, fixed, systems, stampers, clocks, are_all=len(fixed) == len(any_rows))
         for port in ports:
             _port_worlds(port, target, systems, models)
         _port_launch_files(ports, target, known)
@@ -164,8 +178,13 @@ def plan_port(targets: Targets, target: Target, environment: Mapping[str, str]) 
         for port in ports:
             _port_build(port, target, ports, is_simulated=is_simulated)
     plan = _collect(ports, target, systems)
-    left = (*map(_left_in_ros_1, of_ros_1), *launches.controlled_in_namespaces())
-    return plan._replace(unported=(*left, *plan.unported))
+    parts = _unused_parts(ports)
+    left = (
+        *map(_left_in_ros_1, of_ros_1),
+        *launches.controlled_in_namespaces(),
+        *(one._replace(is_note=one.is_note or one.file in parts) for one in plan.unported),
+    )
+    return plan._replace(unported=left)
 
 
 def _left_in_ros_1(package: PackageFolder) -> Unported:
@@ -191,6 +210,7 @@ class _Launches:
         self._spawns: dict[tuple[str, int], list[_Spawned]] = defaultdict(list)
         # Their texts, by the launch files that take part; "": Gazebo's own world.
         self._worlds: dict[str, set[str]] = defaultdict(set)
+        self._chosen: set[str] = set()  # launch files whose robot a variable of the shell may name
         with make_scratch(in_memory=True) as scratch, start_children() as run:
             installed = lay_out(targets, scratch, environment)
             for package in targets.packages:
@@ -208,12 +228,15 @@ class _Launches:
             source = read_source(world) if simulator.world else None
             for file in started.plan.evaluated_files:
                 self._worlds[real_path(file)].add("" if source is None else source.text)
+        texts = (read_source(Path(file)) for file in started.plan.evaluated_files)
+        is_chosen = any(text and _CHOSEN.search(text.text) for text in texts)
         for spawn in started.spawns:
             process = spawn.process
             if process is not None and process.file and process.line and spawn.description:
                 namespace = read_options(process, SPAWN_ENTITY).values.get("robot_namespace")
                 found = _Spawned(spawn.description, namespace)
                 self._spawns[real_path(process.file), process.line].append(found)
+                self._chosen |= {real_path(process.file)} if is_chosen else set()
 
     def robots(self) -> Robots:
         """What models need to know of the robots that are spawned."""
@@ -241,7 +264,11 @@ class _Launches:
         )
 
     def rows(
-        self, target: Target, robots: Robots, services: Collection[BridgeRow]
+        self,
+        target: Target,
+        robots: Robots,
+        services: Collection[BridgeRow],
+        fixed: Sequence[BridgeRow],
     ) -> dict[str, dict[int, list[BridgeRow]]]:
         """The topics of the robots that spawners put into the simulator, by real path and line.
 
@@ -249,6 +276,7 @@ class _Launches:
             target: The distribution, with Gazebo Sim.
             robots: What is known of them.
             services: Those of the world that programs call.
+            fixed: Those of all robots, for spawners of which a variable of the shell names one.
         """
         found: dict[str, dict[int, list[BridgeRow]]] = defaultdict(lambda: defaultdict(list))
         for launch_file, texts in self._worlds.items():
@@ -267,6 +295,8 @@ class _Launches:
                 for row in one.rows(target, robots)
                 for name in sorted(names)
             )
+            if launch_file in self._chosen and all(one.namespace is None for one in spawns):
+                found[launch_file][line] = _with_others(found[launch_file][line], fixed)
         return found
 
     def controlled_in_namespaces(self) -> Iterator[Unported]:
@@ -380,13 +410,43 @@ def _rows_of_world(
                 yield row._replace(gz_topic=row.gz_topic.replace(MODEL, name))
 
 
-def _fixed_rows(port: _Port, target: Target) -> Iterator[BridgeRow]:
-    """The topics of the robots of a package whose names are not computed."""
+def _rows_of_robots(port: _Port, target: Target) -> Iterator[BridgeRow]:
+    """The topics of the robots of a package."""
     for source in port.files(_OF_XML):
         if _ROBOT.search(source.text):
-            for row in bridge_rows(source.text, target):
-                if not any("$" in text or "{" in text for text in row):
-                    yield row
+            yield from bridge_rows(source.text, target)
+
+
+def _with_others(rows: Sequence[BridgeRow], others: Sequence[BridgeRow]) -> list[BridgeRow]:
+    """Topics, and those of others that have other names."""
+    names = {(row.ros_topic, row.direction) for row in rows}
+    return [*rows, *(row for row in others if (row.ros_topic, row.direction) not in names)]
+
+
+def _clocks(port: _Port) -> Iterator[str]:
+    """The names of files that give the node of Gazebo Classic nothing but the rate of its clock."""
+    for source in port.files(_OF_YAML):
+        if _CLOCK.fullmatch(re.sub(r"#.*", "", source.text)):
+            yield source.file.name
+
+
+def _unused_parts(ports: Sequence[_Port]) -> frozenset[Path]:
+    """The parts of robots that no file includes: a robot as a whole has a name."""
+    parts = [
+        source.file
+        for port in ports
+        for source in port.files(_OF_XML)
+        if (tag := _ROBOT_TAG.search(source.text)) and not _HAS_NAME.search(tag[0])
+    ]
+    texts = [
+        _XML_COMMENT.sub("", source.text)
+        for port in ports
+        for source in port.files((*_OF_XML, *LAUNCH_FILES, *_OF_YAML, ".py"))
+        if parts
+    ]
+    if any(_COMPUTED_INCLUDE.search(text) for text in texts):
+        return frozenset()
+    return frozenset(one for one in parts if not any(one.name in text for text in texts))
 
 
 def _is_markup(file: Path) -> bool:
@@ -492,6 +552,8 @@ class _Known(NamedTuple):
     any_rows: Sequence[BridgeRow]
     systems: frozenset[str]
     stampers: Sequence[Stamper]
+    clocks: Sequence[str]  # see `Context`
+    are_all: bool
 
 
 def _port_launch_files(ports: Sequence[_Port], target: Target, known: _Known) -> None:
@@ -536,6 +598,8 @@ def _context(port: _Port, target: Target, known: _Known) -> Callable[[SourceText
         default_world=world,
         stampers=known.stampers,
         any_rows=known.any_rows,
+        are_all=known.are_all,
+        clocks=known.clocks,
     )
 
 
