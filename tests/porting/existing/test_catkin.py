@@ -272,3 +272,12 @@ def test_a_configuration_of_rviz(tmp_path: Path) -> None:
         "a.rviz:11: RViz shows `nobody_knows/Thing`, which ROS 2 Jazzy does not have."
     ]
     assert port_rviz(file, ported.text, source_of(tmp_path)).text == ported.text
+
+
+def test_a_program_in_an_older_python_is_left_out(tmp_path: Path) -> None:
+    old = "#!/usr/bin/env python\nimport sys\nprint 1\n"
+    ported = port_files(source_of(tmp_path, {"scripts/gain": old, "scripts/gain.sh": "#!/bin/sh"}))
+    assert [*ported.files] == ["scripts/gain.sh"]
+    assert notes(ported.notes) == [
+        "gain:1: The program is not written for Python 3 (scripts/gain:3)."
+    ]

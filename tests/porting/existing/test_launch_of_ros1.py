@@ -655,3 +655,15 @@ def test_launch_files_that_are_nested(package: Any) -> None:
     assert package("<group>" * 50 + PUBLISHER + "</group>" * 50).port().text is not None
     ported = package("<group>" * 250 + PUBLISHER + "</group>" * 250).port()
     assert notes(ported) == ["1: a.launch is nested too deeply."]
+
+
+def test_what_was_printed_as_it_is_may_be_xacro_now(package: Any) -> None:
+    """The robot's file is model/robot.xacro now, also where an argument names it."""
+    made = package(
+        '<arg name="file" default="$(find my_robot)/urdf/r.urdf"/>'
+        '<param name="robot_description" command="cat $(arg file)"/>' + PUBLISHER
+    )
+    made.source = made.source._replace(robot="urdf/r.urdf", model="model/robot.xacro")
+    text = made.port().text
+    assert "PathJoinSubstitution([share, 'model', 'robot.xacro'])" in text
+    assert "Command(['xacro \"', LaunchConfiguration('file'), '\"']" in text

@@ -379,3 +379,28 @@ def test_other_encodings_become_utf_8(here: Path, tmp_path: Path) -> None:
     urdf.write_bytes(text.encode("latin-1"))
     assert new(urdf) == 0
     assert "für zwei" in (made(here) / "urdf" / "arm.urdf").read_text(encoding="utf-8")
+
+
+def test_limits_that_the_port_of_a_drive_changes(
+    here: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its plugin for Gazebo Classic turned the wheels without them."""
+    urdf = write_arm(tmp_path)
+    wheel = re.search(r'<link name="upper">.*?</link>', ARM, re.DOTALL)
+    assert wheel is not None
+    parts = "".join(
+        f"""<joint name="{side}" type="continuous"><origin xyz="0 {y} 0"/><parent link="base"/>
+        <child link="{side}_wheel"/><axis xyz="0 1 0"/><limit effort="1" velocity="2"/></joint>"""
+        + wheel[0].replace('"upper"', f'"{side}_wheel"')
+        for side, y in (("left", 0.2), ("right", -0.2))
+    )
+    plugin = """<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
+      <leftJoint>left</leftJoint><rightJoint>right</rightJoint><wheelTorque>5</wheelTorque>
+      <wheelSeparation>0.4</wheelSeparation><wheelDiameter>0.1</wheelDiameter>
+      <robotBaseFrame>base</robotBaseFrame></plugin></gazebo></robot>"""
+    urdf.write_text(ARM.replace("</robot>", parts + plugin))
+    assert new(urdf, "--format", "json") == 0
+    robot = robot_in(capsys)
+    row = next(one for one in robot["comparison"] if one["aspect"].startswith("limits"))
+    assert not row["same"]
+    assert any("Set <limit> of left, right to what the drive" in one for one in robot["notes"])

@@ -31,6 +31,7 @@ from wsgen.porting.existing.launch_of_ros1 import (
     port_launch_file,
     ported_name,
 )
+from wsgen.porting.existing.other_robots import find_other_robots
 from wsgen.porting.existing.parameters_of_ros1 import files_in
 from wsgen.porting.existing.programs_of_ros1 import written_for_ros_1
 from wsgen.porting.manifests import SEARCHED, SUCCESSORS, Declared, rename_dependencies
@@ -143,10 +144,12 @@ def port_files(source: Source) -> PortedPackage:
     """
     files: dict[str, str | Path] = {}
     changed = dict[str, str]()
-    packages, used, notes = set[str](), set[str](), list[Unported]()
-    for path in files_in(source.folder):
+    paths = files_in(source.folder)
+    others = find_other_robots(source, filter(is_installed, paths))
+    packages, used, notes = set[str](), set[str](), [*others.notes]
+    for path in paths:
         file = source.folder / path
-        if path in source.moved:
+        if path in source.moved or path in others.paths:
             continue
         text = read_text(file) if path.endswith((".rviz", *ENDINGS)) else None
         if not is_installed(path):

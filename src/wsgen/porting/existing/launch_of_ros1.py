@@ -423,6 +423,14 @@ class _Port:
         ]
         return bool(uses) and {*uses} <= {"command", "textfile"}
 
+    def _is_model_by_default(self, word: str) -> bool:
+        """Whether a word is an argument whose default leads to the robot, as `_arg` changes it."""
+        named = _ARGUMENT.fullmatch(word)
+        default = self.values.declared.get(named[1]) if named is not None else None
+        return (
+            named is not None and self._is_expanded(named[1]) and bool(self._model(default or ""))
+        )
+
     def _is_used(self, name: str) -> bool:
         word = re.escape(name)
         used = re.compile(rf"\$\(arg\s+{word}\s*\)|\$\(eval\b[^\"]*\b{word}\b|pass_all_args=")
@@ -544,10 +552,8 @@ class _Port:
             )
         words = words[2:] if words[:1] == ["rosrun"] else words
         models = [self._model(one) for one in words]
-        if any(models):
-            words = [
-                one if model is None else model for one, model in zip(words, models, strict=True)
-            ]
+        if any(models) or any(map(self._is_model_by_default, words)):
+            words = [model or one for one, model in zip(words, models, strict=True)]
             words[0] = "xacro"
         program = words[0].rpartition("/")[2] if words else ""
         if program in {"xacro", "xacro.py"}:

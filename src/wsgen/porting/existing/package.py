@@ -82,8 +82,7 @@ if TYPE_CHECKING:
     from wsgen.pipeline.create import CreatedPackage, NewPackage
     from wsgen.pipeline.prepare import PreparedRobot
     from wsgen.porting.existing.comparison import ComparedRow
-    from wsgen.porting.existing.description import Description
-    from wsgen.porting.existing.sources import Source
+    from wsgen.porting.existing.reading import Read
     from wsgen.porting.ported import Unported
     from wsgen.templating.template import Template
     from wsgen.templating.write import PackageTree
@@ -154,17 +153,17 @@ def create_existing(
         WouldOverwriteError: The package exists; nothing is written.
     """
     with make_scratch() as scratch:
-        source = open_source(request.source, scratch, environment)
-        source, description, missing = read_robot(
-            source,
+        read = read_robot(
+            open_source(request.source, scratch, environment),
             request.arguments,
             copy_outside=request.copy_outside,
-            skip_missing=request.fixes,
+            fixes=request.fixes,
             environment=environment,
             scratch=scratch,
         )
-        making = _Making(planned, request, source, description, environment, scratch)
-        tree = making.make(missing)
+        source = read.source
+        making = _Making(planned, request, read, environment, scratch)
+        tree = making.make(read.missing)
         created = write_new(planned, tree, is_dry_run=is_dry_run, announce=announce)
         return ExistingRobot(
             created,
@@ -182,29 +181,30 @@ def create_existing(
 class _Making:
     """A package while it is made."""
 
-    def __init__(  # noqa: PLR0913, PLR0917  what it is made of
+    def __init__(
         self,
         planned: NewPackage,
         request: ExistingRequest,
-        source: Source,
-        description: Description,
+        read: Read,
         environment: Mapping[str, str],
         scratch: Path,
     ) -> None:
         self.spec, self.folder = planned.spec, planned.folder
         self.template = _without(planned.template, _NOT_NEEDED)
-        self.request, self.source, self.description = request, source, description
+        self.request = request._replace(arguments=read.arguments)
+        self.source, self.description = read.source, read.description
         self.environment, self.scratch = environment, scratch
-        self.resources = place_files(description.meshes, source)
+        self.resources = place_files(read.description.meshes, read.source)
         self.rows: list[ComparedRow] = []
-        self.notes: list[str] = []
-        self.unported = list(description.notes)
+        self.notes = [*read.notes]
+        self.unported = list(read.description.notes)
         self.diagnostics: list[Diagnostic] = []
         self.extensions = Extensions()
         self.ported = FilePort()  # of the plugins for Gazebo Classic
         self.root = ""  # the link that is bolted
-        self.fixes: list[Fix] = []
+        self.fixes = [Fix(sentence, (), ()) for sentence in read.fixes]
         self.renamed = Renamed()
+        self.limited: tuple[str, ...] = ()  # joints that a plugin drove otherwise than they say
 
     def make(self, missing: Sequence[str] = ()) -> PackageTree:
         """The files of the package; what is compared and reported comes with them.
@@ -213,7 +213,10 @@ class _Making:
         """
         alone = self.folder / self._alone("").main
         file = alone if self.source.kind == "xacro" else self.source.file
-        written = self._port(self._written(), file)
+        before = self._written()
+        written = self._port(before, file)
+        if written != before:
+            self._note_limits(before, written)
         if self.request.fixes:
             written = self._fix(written, missing)
         robot, found = self._read(written)
@@ -265,12 +268,26 @@ class _Making:
         self.ported = joined((self.ported, port))
         return apply(text, port.edits)
 
+    def _note_limits(self, before: str, after: str) -> None:
+        """Remember the joints whose limits become those that Gazebo Classic's drive has."""
+        old, new = (
+            {one.name: one.limit for one in robot.joints} if robot is not None else {}
+            for robot in (self._read(before)[0], self._read(after)[0])
+        )
+        self.limited = tuple(name for name, limit in old.items() if new.get(name) != limit)
+        if self.limited:
+            self.notes.append(
+                f"Set <limit> of {', '.join(self.limited)} to what the drive of Gazebo Classic "
+                "turned the wheels with."
+            )
+
     def _fix(self, written: str, missing: Sequence[str]) -> str:
         """The text without what simulators refuse or change."""
         laid = self.scratch / "package" / self.spec.name
         _lay_out(self.resources.files, laid)
         file = laid / FOLDER / "robot.urdf"
-        text, self.fixes = without_missing(written, missing)
+        text, fixes = without_missing(written, missing)
+        self.fixes += fixes
 
         def diagnose(now: str) -> tuple[Robot | None, Sequence[Diagnostic]]:
             _lay_out({f"{FOLDER}/{file.name}": now}, laid)
@@ -339,7 +356,7 @@ class _Making:
             )
             source, renamed = self._with_meshes(written), Renamed()
         assert source is not None  # noqa: S101  else it was refused
-        touched = {name for one in self.fixes for name in one.names}
+        touched = {name for one in self.fixes for name in one.names} | {*self.limited}
         self.rows = [
             row._replace(is_fixed=not row.is_same and touched.issuperset(row.differing))
             for row in compare(source, package, renamed)

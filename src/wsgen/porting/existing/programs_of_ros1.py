@@ -9,6 +9,7 @@ from wsgen.porting.existing.launch_values import UnsaidError
 from wsgen.porting.existing.parameters_of_ros1 import files_in
 from wsgen.ros import ros1
 from wsgen.text.markup import read_text
+from wsgen.text.pythontree import parse as parse_python
 from wsgen.text.yamlfile import NotYaml, parse
 
 if TYPE_CHECKING:
@@ -19,6 +20,7 @@ _FLAGS = frozenset(
     ("urdf", "sdf", "gazebo", "stdin", "unpause", "wait_for_model", "package_to_model", "b")
 )
 _OF_ROS_1 = re.compile(r"(?m)^\s*(?:import|from)\s+(?:rospy|roslib|actionlib|tf)\b")
+_PYTHON = re.compile(r"#!.*\bpython")
 _ANGLES = ("--yaw", "--pitch", "--roll")
 _QUATERNION = ("--qx", "--qy", "--qz", "--qw")
 _PERIOD = 1  # argument: how often tf's static_transform_publisher sends
@@ -31,10 +33,17 @@ def written_for_ros_1(folder: Path, program: str) -> str | None:
     if text is None:
         return "is compiled from code for ROS 1, or is not there"
     imported = _OF_ROS_1.search(text)
-    if imported is None:
-        return None
-    line = text.count("\n", 0, imported.end()) + 1
-    return f"is written for ROS 1 ({found}:{line})"
+    if imported is not None:
+        line = text.count("\n", 0, imported.end()) + 1
+        return f"is written for ROS 1 ({found}:{line})"
+    if program.endswith(".py") or _PYTHON.match(text) is not None:
+        try:
+            parse_python(text.encode())
+        except SyntaxError as error:
+            return f"is not written for Python 3 ({found}:{error.lineno})"
+        except (ValueError, RecursionError, MemoryError):
+            pass  # who starts it is told
+    return None
 
 
 def spawn_options(words: list[str]) -> dict[str, list[str]]:

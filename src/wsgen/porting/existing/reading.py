@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import re
 from html import unescape
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.fixes.source import read_tags
 from wsgen.descriptions.urdf.reader import DECLARATION, TEXT_LIMIT
-from wsgen.descriptions.xacro.reader import expand_file
 from wsgen.diagnostics import Severity
 from wsgen.errors import NotReadableError
-from wsgen.packages.source_shares import serve_sources
-from wsgen.pipeline.file_validation import read
 from wsgen.porting.existing.description import Description
 from wsgen.porting.existing.mjcf import read_mjcf
 from wsgen.porting.existing.resources import (
@@ -23,7 +20,7 @@ from wsgen.porting.existing.resources import (
     usable,
 )
 from wsgen.porting.existing.sdf_model import read_sdf_model
-from wsgen.porting.existing.sources import files_below
+from wsgen.porting.existing.xacro_source import Expanded, expand_source
 from wsgen.text.files import read_regular
 from wsgen.text.xmltree import Malformed, parse
 
@@ -40,8 +37,18 @@ _ENCODING = re.compile(rb"<\?xml[^>]*?encoding\s*=\s*[\"']([\w.-]+)")
 _NO_LINE_END = re.compile(r"[^\n]")
 _MESH = re.compile(r'<mesh filename="([^"]*)"')
 _PACKAGE = re.compile(r"(?:package|model)://([\w.-]+)/")
-_OF_XACRO = frozenset((".xacro", ".urdf", ".gazebo", ".xml"))
-_FIND = re.compile(rb"\$\(find\s+([\w.-]+)\s*\)")
+
+
+class Read(NamedTuple):
+    """A robot that was read."""
+
+    source: Source
+    description: Description
+    missing: tuple[str, ...] = ()  # names of meshes that do not exist
+    # Of a xacro file: its arguments, and sentences about what was left out and where they are from.
+    arguments: Mapping[str, str] = {}
+    fixes: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 def read_robot(  # noqa: PLR0913  what is asked for, and where
@@ -49,17 +56,17 @@ def read_robot(  # noqa: PLR0913  what is asked for, and where
     arguments: Mapping[str, str],
     *,
     copy_outside: bool,
-    skip_missing: bool,
+    fixes: bool,
     environment: Mapping[str, str],
     scratch: Path,
-) -> tuple[Source, Description, tuple[str, ...]]:
+) -> Read:
     """Read a robot; the source then owns the package that it lies in, too.
 
     Args:
         source: What was found.
         arguments: Of a xacro file.
         copy_outside: Whether files that are not of the source are copied.
-        skip_missing: Whether meshes may be missing; their names are returned.
+        fixes: Whether meshes may be missing, and what xacro includes.
         environment: In which xacro runs.
         scratch: For what xacro is to find.
 
@@ -75,21 +82,25 @@ def read_robot(  # noqa: PLR0913  what is asked for, and where
             description = read_sdf_model(source.file, environment=environment)
         named = dict.fromkeys(map(unescape, _MESH.findall(description.text)))
         missing = tuple(one for one in named if one not in description.meshes)
-        if missing and not skip_missing:
+        if missing and not fixes:
             raise not_found(missing, source)
         if not copy_outside:
             refuse_outside(description.meshes, source)
-        return source, description, missing
-    text = _named(_read(source, arguments, environment, scratch), source.file)
+        return Read(source, description, missing)
+    expanded = Expanded("", (), arguments)
+    if source.kind == "xacro":
+        expanded = expand_source(source, arguments, environment, scratch, fixes=fixes)
+        refuse(expanded.found, source)
+    text = expanded.text if source.kind == "xacro" else _read_urdf(source)
+    text = _named(text or "", source.file)
     for package in dict.fromkeys(_PACKAGE.findall(text)):
         source = source.with_package(package)
     references = find_references(text, (*source.roots, *source.packages.values()))
-    files, missing = find_files(
-        references, source, copy_outside=copy_outside, skip_missing=skip_missing
-    )
+    files, missing = find_files(references, source, copy_outside=copy_outside, skip_missing=fixes)
     root = parse(text)
     name = "" if isinstance(root, Malformed) else root.get("name") or ""
-    return source, Description(name or source.file.stem, text, source.file, files, ()), missing
+    description = Description(name or source.file.stem, text, source.file, files, ())
+    return Read(source, description, missing, *expanded[2:])
 
 
 def _named(text: str, file: Path) -> str:
@@ -101,14 +112,7 @@ def _named(text: str, file: Path) -> str:
     return f'{text[:place]} name="{usable(file.stem)}"{text[place:]}'
 
 
-def _read(
-    source: Source, arguments: Mapping[str, str], environment: Mapping[str, str], scratch: Path
-) -> str:
-    if source.kind == "xacro":
-        served = serve_sources(_looked_up(source), scratch / "prefixes", environment)
-        text, found = expand_file(source.file, arguments, environment=served)
-        refuse(found, source)
-        return text or ""
+def _read_urdf(source: Source) -> str:
     try:
         data = read_regular(source.file, 4 * TEXT_LIMIT)  # bytes of UTF-8
     except OSError as error:
@@ -123,21 +127,6 @@ def _read(
             hint=f"Fix the line; wsgen check --fix {source.file} may do it.",
         )
     return text
-
-
-def _looked_up(source: Source) -> dict[str, Path]:
-    """The packages of the source, and those beside it that its xacro files, or theirs, look up."""
-    found = {**source.packages}
-    folders = [source.roots[0]]
-    for folder in folders:
-        for file in files_below(folder):
-            if file.suffix.lower() in _OF_XACRO:
-                for name in map(bytes.decode, _FIND.findall(read(file))):
-                    share = None if name in found else source.share_of(name)
-                    if share is not None:
-                        found[name] = share
-                        folders.append(share)
-    return found
 
 
 def _decoded(data: bytes) -> str:

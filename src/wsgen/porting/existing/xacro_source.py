@@ -1,0 +1,208 @@
+"""Expand the xacro file of a source; with fixes, also one that needs what is not there."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import PurePosixPath
+from typing import TYPE_CHECKING, NamedTuple
+
+from wsgen.descriptions.xacro.reader import expand_file
+from wsgen.packages.source_shares import is_used, serve_sources
+from wsgen.pipeline.file_validation import read
+from wsgen.porting.existing.catkin import siblings_of
+from wsgen.porting.existing.launch_of_ros1 import ENDINGS, is_of_ros_1
+from wsgen.porting.existing.launch_values import UnsaidError, split_words
+from wsgen.porting.existing.parameters_of_ros1 import files_in
+from wsgen.porting.existing.sources import files_below
+from wsgen.text.markup import read_text
+from wsgen.text.xmltree import Malformed, parse
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.porting.existing.sources import Source
+
+
+_OF_XACRO = frozenset((".xacro", ".urdf", ".gazebo", ".xml"))
+_FIND = re.compile(rb"\$\(find\s+([\w.-]+)\s*\)")
+_INCLUDED = re.compile(
+    rb"<xacro:include\s[^>]*?filename\s*=\s*[\"']\$\(find\s+([\w.-]+)\s*\)/+([^\"'$]+)[\"']"
+)
+_NAMED = re.compile(r"\$\(find\s+([\w.-]+)\s*\)")
+_EMPTY = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"/>\n'
+_ARGUMENT = re.compile(r"\$\(arg\s+(\S+?)\s*\)")
+_UNDEFINED = re.compile(r"Undefined substitution argument (\S+?)\.$")
+_NOT_FOUND = re.compile(r"the package '([\w.-]+)' is not found\.$")
+_DEEPEST = 10  # arguments whose defaults name others
+_LONGEST = 1000  # characters of a value
+
+
+class Expanded(NamedTuple):
+    """What a xacro file expands to."""
+
+    text: str | None  # None: it cannot be expanded
+    found: tuple[Diagnostic, ...]
+    arguments: Mapping[str, str]  # those that are given, and those that a launch file gives
+    fixes: tuple[str, ...] = ()  # sentences: what was left out
+    notes: tuple[str, ...] = ()  # sentences: where other arguments are from
+
+
+class _LookedUp(NamedTuple):
+    """The packages that the xacro files of a source name by $(find)."""
+
+    there: dict[str, Path]  # their folders
+    missing: dict[str, set[str]]  # those that are nowhere, with what is included from them
+
+
+def expand_source(
+    source: Source,
+    arguments: Mapping[str, str],
+    environment: Mapping[str, str],
+    scratch: Path,
+    *,
+    fixes: bool,
+) -> Expanded:
+    """Expand the file of a source.
+
+    With fixes, what is included from packages that do not exist is left out, as long as nothing
+    calls its macros; and arguments without a value get that of the launch file that gives them.
+    """
+    packages = _look_up(source)
+    served = serve_sources(packages.there, scratch / "prefixes", environment)
+    text, found = expand_file(source.file, arguments, environment=served)
+    if text is not None:
+        return Expanded(text, found, arguments)
+    where, offered = _offered(source)
+    given = dict(arguments)
+    if fixes:
+        served = _serve_with_empty(packages, scratch, environment)
+        text, later = expand_file(source.file, given, environment=served)
+        while text is None and (name := _undefined(later)) in offered.keys() - given.keys():
+            given[name] = offered[name]
+            text, later = expand_file(source.file, given, environment=served)
+        # Without a package, the macros that it defines are missing next.
+        is_same = _NOT_FOUND.search(found[-1].message) is not None and not _undefined(later)
+        found = found if text is None and is_same else later
+    if text is None:
+        found = tuple(_advised(one, where, offered, fixes=fixes) for one in found)
+        return Expanded(None, found, given)
+    left_out = (
+        f"Left out what is included from the package `{name}`, which was not found."
+        for name in packages.missing
+        if is_used(name, served)
+    )
+    notes = (
+        f"Gave xacro the argument `{name}:={value}`, as {where} does."
+        for name, value in given.items()
+        if name not in arguments
+    )
+    return Expanded(text, found, given, tuple(left_out), tuple(notes))
+
+
+def _serve_with_empty(
+    packages: _LookedUp, scratch: Path, environment: Mapping[str, str]
+) -> dict[str, str]:
+    """The environment with empty files in the place of those of packages that are nowhere."""
+    folders = {name: scratch / "absent" / name for name in packages.missing}
+    for name, paths in packages.missing.items():
+        for file in (folders[name] / path for path in paths):
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(_EMPTY, encoding="utf-8")
+    return serve_sources({**packages.there, **folders}, scratch / "with-empty", environment)
+
+
+def _look_up(source: Source) -> _LookedUp:
+    """The packages of the source, and those that its xacro files, or theirs, look up."""
+    found = _LookedUp({**source.packages}, {})
+    folders = [source.roots[0]]
+    for folder in folders:
+        for file in files_below(folder):
+            if file.suffix.lower() not in _OF_XACRO:
+                continue
+            data = read(file)
+            for name in map(bytes.decode, _FIND.findall(data)):
+                share = None if name in found.there else source.share_of(name)
+                if share is not None:
+                    found.there[name] = share
+                    folders.append(share)
+            for package, path in _INCLUDED.findall(data):
+                name, inside = package.decode(), PurePosixPath(path.decode("utf-8", "replace"))
+                if name not in found.there and ".." not in inside.parts:
+                    found.missing.setdefault(name, set()).add(str(inside))
+    return found
+
+
+def _undefined(found: tuple[Diagnostic, ...]) -> str | None:
+    """The argument without a value that xacro stopped at."""
+    named = _UNDEFINED.search(found[-1].message) if found else None
+    return named[1] if named else None
+
+
+def _advised(one: Diagnostic, where: str, offered: Mapping[str, str], *, fixes: bool) -> Diagnostic:
+    """The error with what to do about it here."""
+    undefined, missing = _UNDEFINED.search(one.message), _NOT_FOUND.search(one.message)
+    if undefined is not None:
+        name = undefined[1]
+        if name not in offered:
+            return replace(one, hint=f"Give it: add --arg {name}:=VALUE.")
+        return replace(one, hint=f"{where} gives it: add --arg {name}:={offered[name]}, or --fix.")
+    if missing is not None:
+        hint = f"Put the package `{missing[1]}` beside this one, or source a workspace that has it."
+        more = (
+            " What is included from it is used: it cannot be left out."
+            if fixes
+            else (" Or add --fix, which leaves out what is included from it if nothing uses that.")
+        )
+        return replace(one, hint=hint + more)
+    return one
+
+
+def _offered(source: Source) -> tuple[str, dict[str, str]]:
+    """The launch file that expands the file of a source, and the arguments that it gives."""
+    own = next(
+        (name for name, one in source.packages.items() if source.file.is_relative_to(one)), ""
+    )
+    folders = [*source.packages.values()]
+    for folder in [*folders]:
+        folders += [one for one in siblings_of(folder).values() if one not in folders]
+    for folder in folders:
+        for path in files_in(folder):
+            if path.endswith(ENDINGS):
+                given = _given_by(read_text(folder / path) or "", own, source.file.name)
+                if given:
+                    return f"{folder.name}/{path}", given
+    return "", {}
+
+
+def _given_by(text: str, package: str, name: str) -> dict[str, str]:
+    """The arguments that a launch file of ROS 1 gives to xacro for this file of a package."""
+    root = parse(text) if "<param" in text and is_of_ros_1(text) else None
+    if root is None or isinstance(root, Malformed):
+        return {}
+    values = {one.get("name"): one.get("default", one.get("value")) for one in root.iter("arg")}
+
+    def value_of(found: re.Match[str]) -> str:
+        value = values.get(found[1])
+        return found[0] if value is None else value
+
+    def resolved(text: str) -> str:
+        for _ in range(_DEEPEST):
+            if len(text) < _LONGEST:
+                text = _ARGUMENT.sub(value_of, text)
+        return text
+
+    for one in root.iter("param"):
+        try:
+            words = [resolved(word) for word in split_words(one.get("command", ""))]
+        except UnsaidError:
+            continue
+        if any(
+            PurePosixPath(word).name == name and package in {"", *_NAMED.findall(word)}
+            for word in words
+        ):
+            pairs = (word.partition(":=") for word in words if ":=" in word and "$(" not in word)
+            return {key: value for key, _, value in pairs}
+    return {}

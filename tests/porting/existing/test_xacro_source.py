@@ -1,0 +1,118 @@
+"""Xacro files of sources that need what is not there: what `--fix` does, and what is said else."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+import pytest
+
+from wsgen.porting.existing.sources import open_source
+from wsgen.porting.existing.xacro_source import Expanded, expand_source
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+pytestmark = pytest.mark.slow
+
+ROBOT = """<robot name="rover" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <link name="body"/>
+  {}
+</robot>
+"""
+INCLUDE = '<xacro:include filename="$(find nowhere)/urdf/laser.xacro"/>'
+ARGUMENT = '<link name="$(arg prefix)$(arg side)_wheel"/>'
+LAUNCH = """<launch>
+  <arg name="side" default="left"/>
+  <arg name="where" default="$(arg side)"/>
+  <arg name="file" default="$(find {})/urdf/rover.xacro"/>
+  <param name="robot_description"
+    command="$(find xacro)/xacro '$(arg file)' prefix:= side:=$(arg where) speed:=$(arg fast)"/>
+</launch>
+"""
+
+
+def expand(folder: Path, inside: str, launch: str = "", *, fixes: bool = False) -> Expanded:
+    """The robot of a package beside one that starts it."""
+    for name in ("rover", "bringup"):
+        (folder / name / "launch").mkdir(parents=True)
+        (folder / name / "package.xml").write_text(
+            f"<package><name>{name}</name><buildtool_depend>catkin</buildtool_depend></package>"
+        )
+    (folder / "rover" / "urdf").mkdir()
+    (folder / "rover" / "urdf" / "rover.xacro").write_text(ROBOT.format(inside))
+    (folder / "bringup" / "launch" / "start.launch").write_text(launch or "<launch/>")
+    source = open_source(str(folder / "rover"), folder / "scratch", os.environ)
+    return expand_source(source, {}, os.environ, folder / "scratch", fixes=fixes)
+
+
+def test_what_is_included_from_nowhere_is_left_out(tmp_path: Path) -> None:
+    found = expand(tmp_path, INCLUDE, fixes=True)
+    assert found.text is not None
+    assert '<link name="body"/>' in found.text
+    assert found.fixes == (
+        "Left out what is included from the package `nowhere`, which was not found.",
+    )
+
+
+BESIDE = "Put the package `nowhere` beside this one, or source a workspace that has it. "
+LEFT_OUT = "Or add --fix, which leaves out what is included from it if nothing uses that."
+IS_USED = "What is included from it is used: it cannot be left out."
+
+
+@pytest.mark.parametrize(
+    ("call", "fixes", "hint"),
+    [("", False, BESIDE + LEFT_OUT), ("<xacro:laser/>", True, BESIDE + IS_USED)],
+)
+def test_what_is_included_from_nowhere_is_said(
+    tmp_path: Path, call: str, fixes: bool, hint: str
+) -> None:
+    found = expand(tmp_path, INCLUDE + call, fixes=fixes)
+    assert found.text is None
+    assert "the package 'nowhere' is not found" in found.found[-1].message
+    assert found.found[-1].hint == hint
+
+
+def test_arguments_are_those_of_a_launch_file(tmp_path: Path) -> None:
+    found = expand(tmp_path, ARGUMENT, LAUNCH.format("rover"), fixes=True)
+    assert found.text is not None
+    assert '<link name="left_wheel"/>' in found.text
+    assert found.arguments == {"prefix": "", "side": "left"}
+    assert found.notes[1] == (
+        "Gave xacro the argument `side:=left`, as bringup/launch/start.launch does."
+    )
+
+
+GIVEN = "bringup/launch/start.launch gives it: add --arg side:=left, or --fix."
+
+
+@pytest.mark.parametrize(
+    ("argument", "package", "fixes", "hint"),
+    [
+        ("side", "rover", False, GIVEN),
+        ("fast", "rover", True, "Give it: add --arg fast:=VALUE."),
+        ("side", "another", True, "Give it: add --arg side:=VALUE."),
+    ],
+)
+def test_arguments_without_a_value_are_said(
+    tmp_path: Path, argument: str, package: str, fixes: bool, hint: str
+) -> None:
+    link = f'<link name="$(arg {argument})"/>'
+    found = expand(tmp_path, link, LAUNCH.format(package), fixes=fixes)
+    assert found.text is None
+    assert found.found[-1].hint == hint
+
+
+FILE = "xacro $(find rover)/urdf/rover.xacro"
+ODD = [
+    "<launch><param",
+    f'<launch><param command="{FILE} \'side:=1"/></launch>',
+    f"""<launch><arg name="side" default="$(arg side)$(arg side)"/>
+    <param command="{FILE} side:=$(arg side)"/></launch>""",
+]
+
+
+@pytest.mark.parametrize("launch", ODD)
+def test_odd_launch_files_give_nothing(tmp_path: Path, launch: str) -> None:
+    found = expand(tmp_path, '<link name="$(arg side)"/>', launch, fixes=True)
+    assert found.found[-1].hint == "Give it: add --arg side:=VALUE."
