@@ -584,3 +584,19 @@ def test_a_part_that_no_robot_includes_needs_no_edit(
     }
     planned = plan(_written(tmp_path / "in_world", files))
     assert [one.is_note for one in planned.unported] == [is_note]
+
+
+@pytest.mark.slow
+def test_launch_files_that_start_nothing_are_not_evaluated(tmp_path: Path) -> None:
+    """Those of others that start a simulator are, whatever computes the begin of their names."""
+    failing = "import os\n\nopen(os.environ['TRIED'], 'a').write('{name} ')\n{text}\n"
+    include = "f = name + '_sim.launch.py'\n\n\ndef generate_launch_description():\n    return f()"
+    launches = {
+        "launch/world_sim.launch.py": IN_A_WORLD["launch/world.launch.py"],
+        "launch/all.launch.py": failing.format(name="all", text=include),
+        "launch/view.launch.py": failing.format(name="view", text="import rviz_view"),
+    }
+    tried = tmp_path / "tried"
+    package = _written(tmp_path / "in_world", {**IN_A_WORLD, **launches})
+    plan_port(find_targets([package]), JAZZY, {**os.environ, "TRIED": str(tried)})
+    assert {*tried.read_text(encoding="utf-8").split()} == {"all"}

@@ -51,7 +51,7 @@ from wsgen.text.markup import without_comments
 from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
@@ -189,14 +189,19 @@ class PackageCheck:
             self.overlay.share,
         )
 
-    def evaluate(self) -> list[Candidate]:
-        """The launch files of the package, evaluated with their defaults."""
+    def evaluate(self, wanted: Collection[str] | None = None) -> list[Candidate]:
+        """The launch files of the package, evaluated with their defaults.
+
+        Args:
+            wanted: The real paths of those that are needed; None: all.
+        """
         share = self.overlay.share(self.package.name)
         folder = share or self.package.path
         files = [
             file
             for file in find_launch_files(folder)
             if OF_TESTS.isdisjoint(file.relative_to(folder).parts)
+            and (wanted is None or real_path(file) in wanted)
             # In packages of ROS 1 this is an ending of its own launch files.
             and not (self.package.build_type == "catkin" and file.name.endswith(".launch.xml"))
         ]

@@ -85,12 +85,14 @@ def bridge_rows(
         robots: What launch files say about it.
         namespace: That the spawner gives to its plugins.
     """
+    if "<plugin" not in text and "<sensor" not in text:
+        return []
     return _port(SourceText(Path("robot"), text), target, robots, namespace).rows
 
 
 def plugins_of(text: str) -> Iterator[tuple[str, str]]:
     """The names of the plugins of a robot, with their file names."""
-    for node in read_nodes(SourceText(Path("robot"), text)):
+    for node in read_nodes(SourceText(Path("robot"), text)) if "<plugin" in text else ():
         if node.name == "plugin" and node.get("filename"):
             yield node.get("name"), node.get("filename")
 

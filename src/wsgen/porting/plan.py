@@ -9,6 +9,8 @@ from __future__ import annotations
 import math
 import re
 from collections import defaultdict
+from functools import cached_property
+from os.path import normcase
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -32,6 +34,7 @@ from wsgen.packages.workspace.settings import FILE as SETTINGS
 from wsgen.pipeline.check_package import PackageCheck
 from wsgen.pipeline.installed_as_built import lay_out
 from wsgen.pipeline.parallel import start_children
+from wsgen.pipeline.started import waits_for_description
 from wsgen.porting.build_files import port_cmake, port_hook, port_setup
 from wsgen.porting.launch_files import OF_WORLD, Context, WorldTaker, port_launch_file
 from wsgen.porting.launch_markup import port_markup
@@ -70,6 +73,12 @@ _OF_MODEL = re.compile(r"<uri>\s*model://([^/<\s]+)/?\s*</uri>")
 _NAME_OF_WORLD = re.compile(r"<world\b[^>]*\bname\s*=\s*[\"']([^\"']+)")
 _MODEL = "model.config"  # in the folder of a model
 _OF_YAML = (".yaml", ".yml")
+_OF_LAUNCHES = (".py", ".xml", ".launch", *_OF_YAML)
+_FILE_NAME = re.compile(r"[\w-]*\.(?:launch\.)?(?:py|xml|ya?ml|launch)\b")
+_STARTS = re.compile(
+    r"\b(?:gazebo_ros|ros_gz_sim|ros_ign_gazebo|gzserver|gz_args|ign_args)\b|\bspawn_entity"
+    r"|(?:[\"']|:\s+)(?:gazebo|gz|ign)(?:[\"']|\s)"
+)
 _CLOCK = re.compile(
     r"\s*/?gazebo:\s+ros__parameters:\s+(?:(?:publish_rate|use_sim_time)\s*:[ \t]*\S+\s*)+"
 )
@@ -107,10 +116,14 @@ class _Port:
         self.sources: dict[Path, SourceText] = {}
 
     def files(self, suffixes: tuple[str, ...]) -> Iterator[SourceText]:
-        for file in list_files(self.package.path, suffixes, markers=BUILD_MARKERS):
-            source = self.source(file)
+        for file in self._files:
+            source = self.source(file) if normcase(file.name).endswith(suffixes) else None
             if source is not None:
                 yield source
+
+    @cached_property
+    def _files(self) -> list[Path]:
+        return list_files(self.package.path, ("",), markers=BUILD_MARKERS)
 
     def source(self, file: Path) -> SourceText | None:
         if file not in self.sources:
@@ -211,12 +224,16 @@ class _Launches:
         # Their texts, by the launch files that take part; "": Gazebo's own world.
         self._worlds: dict[str, set[str]] = defaultdict(set)
         self._chosen: set[str] = set()  # launch files whose robot a variable of the shell may name
+        wanted = _starting(targets)
         with make_scratch(in_memory=True) as scratch, start_children() as run:
             installed = lay_out(targets, scratch, environment)
             for package in targets.packages:
                 if not package.diagnostics:
                     check = PackageCheck(package, installed, None, None, run, scratch)
-                    for one in check.evaluate():
+                    evaluated = check.evaluate(wanted)
+                    if any(waits_for_description(one.started) for one in evaluated):
+                        evaluated = check.evaluate()
+                    for one in evaluated:
                         self._take(one.started)
 
     def _take(self, started: Started) -> None:
@@ -279,12 +296,16 @@ class _Launches:
             fixed: Those of all robots, for spawners of which a variable of the shell names one.
         """
         found: dict[str, dict[int, list[BridgeRow]]] = defaultdict(lambda: defaultdict(list))
+        known = {
+            text: [*services, *_rows_of_world(text, self._models, target, robots)]
+            for text in set().union(*self._worlds.values())
+        }
         for launch_file, texts in self._worlds.items():
             found[launch_file][OF_WORLD] += dict.fromkeys(
                 row._replace(gz_topic=row.gz_topic.replace(WORLD, name))
                 for text in texts
                 for name in _names_of_worlds(text)
-                for row in (*services, *_rows_of_world(text, self._models, target, robots))
+                for row in known[text]
             )
         for (launch_file, line), spawns in self._spawns.items():
             texts = self._worlds.get(launch_file) or set().union(*self._worlds.values()) or {""}
@@ -310,6 +331,34 @@ class _Launches:
                     "Write it into <ros><namespace> of the plugin gz_ros2_control-system, for "
                     "example by an argument of xacro.",
                 )
+
+
+def _starting(targets: Targets) -> frozenset[str]:
+    """The files that may start a simulator or spawn a robot, by real path: others need no look.
+
+    They name what does, or a file that does; names may be computed but for their endings.
+    """
+    texts = {
+        file: source.text
+        for package in targets.packages
+        for file in list_files(package.path, _OF_LAUNCHES, markers=BUILD_MARKERS)
+        if file.name != "package.xml" and (source := read_source(file)) is not None
+    }
+    named = {file: {*_FILE_NAME.findall(text)} for file, text in texts.items()}
+    words = {file: {*re.findall(r"\w+", text)} for file, text in texts.items()}
+    found: set[Path] = set()
+    new = {file for file, text in texts.items() if _STARTS.search(text)}
+    while new:
+        found |= new
+        names = [file.name for file in new]
+        modules = {file.stem for file in new if file.suffix == ".py"}
+        new = {
+            file
+            for file in texts.keys() - found
+            if not modules.isdisjoint(words[file])
+            or any(name.endswith(ending) for ending in named[file] for name in names)
+        }
+    return frozenset(map(real_path, found))
 
 
 class _Spawned(NamedTuple):
