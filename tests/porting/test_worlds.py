@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -174,10 +175,105 @@ def test_models_of_the_workspace_stay(tmp_path: Path) -> None:
 
 
 def test_models_that_fuel_may_lack_are_listed() -> None:
-    text = world("    <include><uri>model://grey_wall</uri></include>\n")
-    assert ported(text)[1] == [
-        "3: Gazebo Classic downloads the model `grey_wall` from its database; Gazebo Sim does not."
+    text = world("    <include><uri>model://gas_station</uri></include>\n")
+    what = "3: Gazebo Classic downloads the model `gas_station` from its database"
+    assert ported(text)[1] == [f"{what}; Gazebo Sim does not."]
+
+
+def test_plain_models_are_shapes_of_their_size() -> None:
+    """Of a model that Fuel may lack, what it is run into by stays."""
+    after, listed = ported(
+        world(
+            "    <include>\n"
+            "      <uri>model://disk_part</uri>\n"
+            "      <name>d</name>\n"
+            "      <pose>1 2 0 0 0 0</pose>  <!-- there -->\n"
+            "    </include>\n"
+        )
+    )
+    assert "model://" not in after
+    assert (
+        '    <model name="d">\n'
+        "      <pose>1 2 0 0 0 0</pose>\n"
+        '      <link name="link">\n'
+        "        <inertial>\n"
+        "          <mass>0.5</mass>\n"
+        "          <pose>0 0 0.02895 0 0 0</pose>\n"
+        "          <inertia>\n"
+        "            <ixx>0.00321218</ixx>\n"
+        "            <iyy>0.00321218</iyy>\n"
+        "            <izz>0.00614499</izz>\n"
+    ) in after
+    shape = "<radius>0.15678</radius>\n              <length>0.0579</length>"
+    assert after.count(shape) == len(("collision", "visual"))
+    assert "<!-- there -->" in after
+    assert [one.partition("; ")[2] for one in listed] == [
+        "a plain shape of its size is in its place."
     ]
+    static, _ = ported(world("    <include><uri>model://grey_wall</uri></include>\n"))
+    assert "<static>true</static>" in static
+    assert "<pose>0 0 1.4 0 0 0</pose>" in static
+
+
+@pytest.mark.parametrize(
+    ("around", "becomes"),
+    [
+        (
+            "<pose>1 0 0 0 0 1.5707963268</pose><geometry>{mesh}</geometry>",
+            # The mesh begins at the bottom, and its center is beside its origin.
+            "<pose>1.030541 0 0.525 0 0 1.570796</pose><geometry>{shape}</geometry>",
+        ),
+        (
+            "<geometry>{mesh}</geometry>",
+            "<pose>0 -0.0305 0.525 0 0 0</pose><geometry>{shape}</geometry>",
+        ),
+    ],
+)
+def test_meshes_of_plain_models(around: str, becomes: str) -> None:
+    """A saved world names them; the shape is where the mesh was, as large."""
+    mesh = "<mesh><uri>model://drc_practice_white_jersey_barrier/meshes/jersey_barrier.dae</uri>"
+    text = f'<model name="m"><link name="l"><visual name="v">{around}</visual></link></model>'
+    after, _ = ported(world(text.format(mesh=f"{mesh}</mesh>")))
+    shape = "<box><size>0.6082 1.8014 1.05</size></box>"
+    flat = re.sub(r">\s+<", "><", after)
+    assert becomes.replace("1.030541", "1.0305").format(shape=shape) in flat
+
+
+def test_meshes_of_plain_models_that_are_scaled() -> None:
+    mesh = "<mesh><uri>model://cube_20k/meshes/cube_20k.stl</uri><scale>0.5 1 -2</scale></mesh>"
+    text = f'<model name="m"><link name="l"><visual name="v"><geometry>{mesh}</geometry></visual>'
+    after, _ = ported(world(f"{text}</link></model>"))
+    assert "<size>1 2 4</size>" in after
+    wrong = text.replace("0.5 1 -2", "1 1")
+    after, listed = ported(world(f"{wrong}</link></model>"))
+    assert wrong in after
+    assert len(listed) == 1
+
+
+def test_sounds_that_nobody_hears() -> None:
+    """Each world that Gazebo Classic has saved has a device for them."""
+    device = "    <audio>\n      <device>default</device>\n    </audio>\n"
+    assert ported(world(device)) == (world(LOADED), [])
+    source = '    <model name="m"><link name="l"><audio_source/></link></model>\n'
+    assert len(ported(world(device, source))[1]) == 1
+
+
+@pytest.mark.parametrize(("there", "is_listed"), [("1.0005 0 0.2", False), ("1 0 0.5", True)])
+def test_saved_positions_of_joints(there: str, is_listed: bool) -> None:
+    """They are lost where a joint is not where its model has it."""
+    model = (
+        '    <model name="m">\n      <pose>1 0 0 0 0 0</pose>\n      <link name="a"/>\n'
+        '      <link name="b"><pose>0 0 0.2 0 0 0</pose></link>\n    </model>\n'
+    )
+    state = (
+        '    <state world_name="w">\n      <model name="m">\n        <pose>1 0 0 0 0 0</pose>\n'
+        '        <link name="a"><pose>1 0 0 0 0 0</pose></link>\n'
+        f'        <link name="b"><pose>{there} 0 0 0</pose></link>\n      </model>\n'
+        "    </state>\n"
+    )
+    after, listed = ported(world(model, state))
+    assert after == world(LOADED, model)
+    assert bool(listed) == is_listed
 
 
 def test_systems() -> None:

@@ -6,12 +6,14 @@ and the models `sun` and `ground_plane`; gazebosim/gz-sim, src/SimulationRunner.
 
 from __future__ import annotations
 
+import math
 import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.checks.fixes.source import SourceText, apply
 from wsgen.descriptions.sdf.lookup import gazebo_models
+from wsgen.gazebo.plain_models import PLAIN_MESHES, PLAIN_MODELS
 from wsgen.gazebo.plugins import OF_CLASSIC, stem
 from wsgen.gazebo.successors import (
     ACTOR,
@@ -30,21 +32,34 @@ from wsgen.gazebo.systems import (
     loaded_class,
     plugin_of,
 )
+from wsgen.model.transform import (
+    Pose,
+    angle_between,
+    compose,
+    invert,
+    rotate,
+    rotation_of_rpy,
+)
 from wsgen.porting.models import colors
 from wsgen.porting.porter import Porter, number, written
 from wsgen.porting.xml_edits import Block
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping
+    from collections.abc import Collection, Iterable, Iterator, Mapping
 
+    from wsgen.gazebo.plain_models import Shape
     from wsgen.model.target import Target
     from wsgen.porting.ported import FilePort
     from wsgen.porting.xml_edits import Node
 
 _STEP = 0.001  # seconds, of either simulator
 _TOLD_APART = 1e-9
+_MOVED = 1e-3  # m and rad, by which links may have sunk or swayed while a world was saved
+_LINKS_OF_A_JOINT = 2
 _PLANE = Block("geometry", [Block("plane", [Block("normal", "0 0 1"), Block("size", "100 100")])])
 _GRIP = Block("friction", [Block("ode", [Block("mu", "100"), Block("mu2", "50")])])
+_PAINT = Block("material", colors("Gazebo/Grey"))
+_AXES, _FRAMES = "xyz", ("frame", "relative_to")
 _MODEL = re.compile(r"model://([^/]+)/?(.*)", re.DOTALL)
 # What only Gazebo Classic has in a world: what it does, and what to do.
 _ONLY_CLASSIC = {
@@ -119,6 +134,9 @@ def _port_world(port: Porter, world: Node, systems: Collection[str]) -> None:
     for state in world.children("state"):
         _port_state(port, world, state)
     for node in world.children(*_ONLY_CLASSIC):
+        if node.name == "audio" and all(one.name != "audio_source" for one in port.nodes):
+            port.editor.remove(node)  # each world that Gazebo Classic saves has it
+            continue
         what, advice = _ONLY_CLASSIC[node.name]
         port.editor.comment_out(node)
         port.leave(
@@ -204,8 +222,7 @@ def _sun(include: Node) -> Block:
 
 def _ground(include: Node) -> Block:
     collision = Block("collision", [_PLANE, Block("surface", [_GRIP])], 'name="collision"')
-    paint = Block("material", colors("Gazebo/Grey"))
-    visual = Block("visual", [Block("cast_shadows", "false"), _PLANE, paint], 'name="visual"')
+    visual = Block("visual", [Block("cast_shadows", "false"), _PLANE, _PAINT], 'name="visual"')
     name = include.value("name") or "ground_plane"
     content = [
         Block("static", "true"),
@@ -272,7 +289,8 @@ def _port_state(port: Porter, world: Node, state: Node) -> None:
                 port.editor.set_text(before, pose)
             moved += 1
     port.editor.remove(state)
-    has_joints = any(len([*one.children("link")]) > 1 for one in state.children("model"))
+    models = {one.get("name"): one for one in world.children("model")}
+    has_joints = any(_is_bent(one, models.get(one.get("name"))) for one in state.children("model"))
     if not (moved or has_joints):
         return
     port.leave(
@@ -284,6 +302,34 @@ def _port_state(port: Porter, world: Node, state: Node) -> None:
         else "Check the places of the models.",
         is_note=not has_joints,
     )
+
+
+def _is_bent(saved: Node, model: Node | None) -> bool:
+    """Whether the links of a model may not be where it has them: its joints have moved."""
+    links = [*saved.children("link")]
+    if len(links) < _LINKS_OF_A_JOINT:
+        return False
+    own = {one.get("name"): one.find("pose") for one in model.children("link")} if model else {}
+    base = _pose(saved.value("pose"))
+    for link in links:
+        name, place = link.get("name"), own.get(link.get("name"))
+        if name not in own or (place is not None and any(map(place.get, _FRAMES))):
+            return True
+        found, meant = _pose(link.value("pose")), _pose("" if place is None else place.text)
+        if base is None or found is None or meant is None:
+            return True
+        there = compose(invert(base), found)
+        if math.dist(there.xyz, meant.xyz) > _MOVED or angle_between(there, meant) > _MOVED:
+            return True
+    return False
+
+
+def _pose(text: str) -> Pose | None:
+    """A pose of six numbers, or none; None: it is another text."""
+    values = _vector(text or "0 0 0 0 0 0")
+    if len(values) != len(_AXES) * 2:
+        return None
+    return Pose(xyz=(values[0], values[1], values[2]), rpy=(values[3], values[4], values[5]))
 
 
 def _same(one: str, other: str) -> bool:
@@ -331,12 +377,99 @@ def _port_address(port: Porter, uri: Node, models: Collection[str]) -> None:
     if name in ON_FUEL:
         address = f"{FUEL}{ON_FUEL[name]}"
         port.editor.set_text(uri, f"{address}/tip/files/{rest}" if rest else address)
+    elif (name in PLAIN_MODELS and not rest and _put_plain_model(port, uri, name)) or (
+        f"{name}/{rest}" in PLAIN_MESHES and _put_plain_shape(port, uri, f"{name}/{rest}")
+    ):
+        port.leave_once(
+            uri,
+            f"Gazebo Classic downloads the model `{name}` from its database; a plain shape of its "
+            "size is in its place.",
+            "Copy it from github.com/osrf/gazebo_models into the package if its looks matter.",
+            is_note=True,
+        )
     elif name in gazebo_models():
         port.leave_once(
             uri,
             f"Gazebo Classic downloads the model `{name}` from its database; Gazebo Sim does not.",
             "Copy it from github.com/osrf/gazebo_models into the package, or include one of Fuel.",
         )
+
+
+def _put_plain_model(port: Porter, uri: Node, name: str) -> bool:
+    """Write a model with a plain shape in the place of an <include> of a world."""
+    include = uri.holder
+    holder = include.holder if include is not None else None
+    if include is None or include.name != "include" or holder is None or holder.name != "world":
+        return False
+    shape, above, inertia = PLAIN_MODELS[name]
+    place = [] if not any(shape.center) else [Block("pose", f"{_numbers(shape.center)} 0 0 0")]
+    form = Block("geometry", [_form(shape)])
+    parts = [
+        Block("collision", [*place, form], 'name="collision"'),
+        Block("visual", [*place, form, _PAINT], 'name="visual"'),
+    ]
+    if inertia is not None:
+        moments = zip(("ixx", "iyy", "izz"), inertia[1:], strict=True)
+        content = [Block("mass", written(inertia[0])), *place]
+        content.append(Block("inertia", [Block(tag, written(one)) for tag, one in moments]))
+        parts.insert(0, Block("inertial", content))
+    if above:
+        parts.insert(0, Block("pose", f"0 0 {written(above)} 0 0 0"))
+    static = include.value("static") or ("true" if inertia is None else "")
+    content = [Block("static", static)] if static else []
+    content += [*_placed(include, "pose"), Block("link", parts, 'name="link"')]
+    own = include.value("name") or name
+    port.editor.replace(include, [Block("model", content, f'name="{own}"')])
+    return True
+
+
+def _put_plain_shape(port: Porter, uri: Node, mesh: str) -> bool:
+    """Write a plain shape in the place of a mesh."""
+    node = uri.holder
+    around = next((one for one in uri.ancestors() if one.name in ("collision", "visual")), None)
+    if node is None or node.name != "mesh" or around is None:
+        return False
+    scale = _vector(node.value("scale") or "1 1 1")
+    pose = around.find("pose")
+    place = _vector(pose.text if pose is not None and pose.text else "0 0 0 0 0 0")
+    shape = PLAIN_MESHES[mesh]
+    is_round = shape.kind == "cylinder"
+    if len(scale) != len(_AXES) or len(place) != len(_AXES) * 2:
+        return False
+    if (is_round and scale[0] != scale[1]) or any(pose.get(one) for one in _FRAMES if pose):
+        return False
+    sizes = [
+        abs(size * factor)
+        for size, factor in zip(shape.sizes, scale[1:] if is_round else scale, strict=True)
+    ]
+    port.editor.replace(node, [_form(shape._replace(sizes=tuple(sizes)))])
+    if any(shape.center):
+        center = [one * factor for one, factor in zip(shape.center, scale, strict=True)]
+        moved = rotate(rotation_of_rpy((place[3], place[4], place[5])), (*center,))
+        xyz = [one + by for one, by in zip(place, moved, strict=False)]
+        text = f"{_numbers(xyz)} {_numbers(place[3:])}"
+        if pose is None:
+            port.editor.prepend(around, Block("pose", text))
+        else:
+            port.editor.set_text(pose, text)
+    return True
+
+
+def _vector(text: str) -> list[float]:
+    """The numbers of a text; none where one is not plain."""
+    found = [number(one) for one in text.split()]
+    return [] if None in found else [one for one in found if one is not None]
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return " ".join(written(round(one, 6)) for one in values)
+
+
+def _form(shape: Shape) -> Block:
+    if shape.kind == "box":
+        return Block("box", [Block("size", _numbers(shape.sizes))])
+    radius, length = map(written, shape.sizes)
+    return Block("cylinder", [Block("radius", radius), Block("length", length)])
 
 
 def _is_inline(uri: Node) -> bool:
