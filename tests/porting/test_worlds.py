@@ -258,17 +258,28 @@ def test_sounds_that_nobody_hears() -> None:
     assert len(ported(world(device, source))[1]) == 1
 
 
-@pytest.mark.parametrize(("there", "is_listed"), [("1.0005 0 0.2", False), ("1 0 0.5", True)])
-def test_saved_positions_of_joints(there: str, is_listed: bool) -> None:
-    """They are lost where a joint is not where its model has it."""
+@pytest.mark.parametrize(
+    ("there", "stop", "is_listed"),
+    [
+        ("1.0005 0 0.2 0 0 0", "<lower>-1</lower>", False),
+        ("1 0 0.5 0 0 0", "<lower>-1</lower>", True),
+        ("1 0 0.2 0 0 0.5", "<lower>-1</lower>", True),
+        ("1 0 0.2 0 0 0.5", "<lower>-1e16</lower>", False),
+        ("1 0 0.2 0 0 0.5", "", False),
+    ],
+)
+def test_saved_positions_of_joints(there: str, stop: str, is_listed: bool) -> None:
+    """They are lost where a joint is not where its model has it, but for wheels."""
     model = (
         '    <model name="m">\n      <pose>1 0 0 0 0 0</pose>\n      <link name="a"/>\n'
-        '      <link name="b"><pose>0 0 0.2 0 0 0</pose></link>\n    </model>\n'
+        '      <link name="b"><pose>0 0 0.2 0 0 0</pose></link>\n'
+        '      <joint name="j" type="revolute"><child>b</child>'
+        f"<axis><limit>{stop}</limit></axis></joint>\n    </model>\n"
     )
     state = (
         '    <state world_name="w">\n      <model name="m">\n        <pose>1 0 0 0 0 0</pose>\n'
         '        <link name="a"><pose>1 0 0 0 0 0</pose></link>\n'
-        f'        <link name="b"><pose>{there} 0 0 0</pose></link>\n      </model>\n'
+        f'        <link name="b"><pose>{there}</pose></link>\n      </model>\n'
         "    </state>\n"
     )
     after, listed = ported(world(model, state))

@@ -56,6 +56,7 @@ _STEP = 0.001  # seconds, of either simulator
 _TOLD_APART = 1e-9
 _MOVED = 1e-3  # m and rad, by which links may have sunk or swayed while a world was saved
 _LINKS_OF_A_JOINT = 2
+_TURNS = 1e3  # rad, more than a joint with a stop turns
 _PLANE = Block("geometry", [Block("plane", [Block("normal", "0 0 1"), Block("size", "100 100")])])
 _GRIP = Block("friction", [Block("ode", [Block("mu", "100"), Block("mu2", "50")])])
 _PAINT = Block("material", colors("Gazebo/Grey"))
@@ -307,9 +308,10 @@ def _port_state(port: Porter, world: Node, state: Node) -> None:
 def _is_bent(saved: Node, model: Node | None) -> bool:
     """Whether the links of a model may not be where it has them: its joints have moved."""
     links = [*saved.children("link")]
-    if len(links) < _LINKS_OF_A_JOINT:
-        return False
-    own = {one.get("name"): one.find("pose") for one in model.children("link")} if model else {}
+    if len(links) < _LINKS_OF_A_JOINT or model is None:
+        return len(links) >= _LINKS_OF_A_JOINT
+    own = {one.get("name"): one.find("pose") for one in model.children("link")}
+    spinning = {one.value("child") for one in model.children("joint") if _is_endless(one)}
     base = _pose(saved.value("pose"))
     for link in links:
         name, place = link.get("name"), own.get(link.get("name"))
@@ -319,9 +321,16 @@ def _is_bent(saved: Node, model: Node | None) -> bool:
         if base is None or found is None or meant is None:
             return True
         there = compose(invert(base), found)
-        if math.dist(there.xyz, meant.xyz) > _MOVED or angle_between(there, meant) > _MOVED:
+        turned = 0.0 if name in spinning else angle_between(there, meant)
+        if math.dist(there.xyz, meant.xyz) > _MOVED or turned > _MOVED:
             return True
     return False
+
+
+def _is_endless(joint: Node) -> bool:
+    """Whether a joint turns round and round, as those of wheels do."""
+    least = number(joint.value("axis/limit/lower") or "-inf")
+    return joint.get("type") in ("revolute", "continuous") and (least is None or least < -_TURNS)
 
 
 def _pose(text: str) -> Pose | None:
@@ -444,8 +453,8 @@ def _put_plain_shape(port: Porter, uri: Node, mesh: str) -> bool:
     ]
     port.editor.replace(node, [_form(shape._replace(sizes=tuple(sizes)))])
     if any(shape.center):
-        center = [one * factor for one, factor in zip(shape.center, scale, strict=True)]
-        moved = rotate(rotation_of_rpy((place[3], place[4], place[5])), (*center,))
+        x, y, z = (one * factor for one, factor in zip(shape.center, scale, strict=True))
+        moved = rotate(rotation_of_rpy((place[3], place[4], place[5])), (x, y, z))
         xyz = [one + by for one, by in zip(place, moved, strict=False)]
         text = f"{_numbers(xyz)} {_numbers(place[3:])}"
         if pose is None:
