@@ -13,6 +13,7 @@ SOURCE = ROOT / "src" / "wsgen"
 # One module each; xacro's and colcon's doors lie deeper than one import.
 FOREIGN = {
     "pybullet": "simulation/bullet.py",
+    "coacd": "descriptions/meshes/worker.py",
     "trimesh": "descriptions/meshes/worker.py",
     "shapely": "descriptions/meshes/shape_worker.py",
     "dartpy": "simulation/dart.py",

@@ -20,6 +20,8 @@ _DRIVES = (
     *("gz_ros2_control-system", "ign_ros2_control-system"),
 )
 _STATES = ("joint-state-publisher", "gz_ros2_control-system", "ign_ros2_control-system")
+# What publishes the states of joints in either simulator.
+STATES = frozenset((*_STATES, "gazebo_ros_joint_state_publisher", "gazebo_ros2_control"))
 # Plugin of Gazebo Classic -> those of Gazebo Sim that do the same in a robot for both.
 COUNTERPARTS = {
     **dict.fromkeys(

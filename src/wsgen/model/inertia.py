@@ -39,9 +39,13 @@ def about_link_axes(inertial: Inertial) -> Six:
     """The inertia about the center of mass, along the axes of the link frame."""
     if inertial.pose_in_link.rpy == (0.0, 0.0, 0.0):
         return inertial.inertia
-    rotation = rotation_of_rpy(inertial.pose_in_link.rpy)
-    turned = multiply(multiply(rotation, matrix_of(inertial.inertia)), transpose(rotation))
-    return (turned[0][0], turned[0][1], turned[0][2], turned[1][1], turned[1][2], turned[2][2])
+    return turned(inertial.inertia, rotation_of_rpy(inertial.pose_in_link.rpy))
+
+
+def turned(six: Six, rotation: Matrix) -> Six:
+    """An inertia along the axes of the frame that a rotation leads to."""
+    m = multiply(multiply(rotation, matrix_of(six)), transpose(rotation))
+    return (m[0][0], m[0][1], m[0][2], m[1][1], m[1][2], m[2][2])
 
 
 def moved(inertia: Six, mass: float, offset: Vector) -> Six:

@@ -62,8 +62,9 @@ Matrix = tuple[Vector, Vector, Vector]
 
 UNIT: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
-# Nearer to a pitch of 90 degrees than this, roll and yaw turn about the same axis.
-GIMBAL_LOCK = 1.0 - 1e-12
+# With a cosine of the pitch below this, roll and yaw turn about the same axis.
+GIMBAL_LOCK = 1e-12
+STEEP = 1e-3  # likewise
 
 
 def rotation_of_rpy(rpy: Vector) -> Matrix:
@@ -98,18 +99,17 @@ def rotation_of_quaternion(xyzw: tuple[float, float, float, float]) -> Matrix:
 
 def rpy_of_rotation(rotation: Matrix) -> Vector:
     """Fixed-axis roll, pitch and yaw of a rotation, rad; the roll is 0 in gimbal lock."""
-    sin_p = -rotation[2][0]
-    if abs(sin_p) > GIMBAL_LOCK:
-        return (
-            0.0,
-            math.copysign(math.pi / 2, sin_p),
-            math.atan2(-rotation[0][1], rotation[1][1]),
-        )
-    return (
-        math.atan2(rotation[2][1], rotation[2][2]),
-        math.asin(sin_p),
-        math.atan2(rotation[1][0], rotation[0][0]),
-    )
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = rotation
+    cos_p = math.hypot(xx, yx)
+    pitch = math.atan2(-zx, cos_p)
+    if cos_p < GIMBAL_LOCK:
+        return 0.0, pitch, math.atan2(-xy, yy)
+    if cos_p > STEEP:
+        return math.atan2(zy, zz), pitch, math.atan2(yx, xx)
+    # Near 90° the numbers above have lost digits: the roll is what the yaw leaves over.
+    yaw = math.atan2(yx, xx)
+    sin_y, cos_y = math.sin(yaw), math.cos(yaw)
+    return math.atan2(sin_y * xz - cos_y * yz, cos_y * yy - sin_y * xy), pitch, yaw
 
 
 def quaternion_of_rpy(rpy: Vector) -> tuple[float, float, float, float]:

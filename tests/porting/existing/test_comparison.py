@@ -9,8 +9,11 @@ import pytest
 from existing_robots import ARM
 from wsgen.descriptions.meshes.lookup import find_meshes
 from wsgen.descriptions.urdf.reader import read_urdf
+from wsgen.model.inertia import about_link_axes, turned
 from wsgen.model.robot import Robot
-from wsgen.porting.existing.comparison import Renamed, compare, place_links
+from wsgen.model.transform import rotate
+from wsgen.porting.existing.comparison import Renamed, compare, compare_with, place_links
+from wsgen.porting.existing.description import Configuration, Reference
 
 
 def read(text: str) -> Robot:
@@ -22,6 +25,29 @@ def read(text: str) -> Robot:
 def differing(before: str, after: str, renamed: Renamed = Renamed()) -> dict[str, tuple[str, ...]]:  # noqa: B008
     rows = compare(read(before), read(after), renamed)
     return {row.aspect.split(" in ")[0]: row.differing for row in rows if not row.is_same}
+
+
+def reference(robot: Robot, *, mass: float = 0.0, at: float = 0.0, turn: float = 1.0) -> Reference:
+    """What the robot has with its joint at 0.3, and what is wrong in it."""
+    placed = place_links(robot, {"shoulder": 0.3})
+    centers, inertias = {}, {}
+    for link in robot.links:
+        if link.inertial is not None:
+            matrix, origin = placed[link.name]
+            x, y, z = rotate(matrix, link.inertial.pose_in_link.xyz)
+            centers[link.name] = (origin[0] + x, origin[1] + y, origin[2] + z + at)
+            six = turned(about_link_axes(link.inertial), matrix)
+            xx, xy, xz, yy, yz, zz = (turn * one / link.inertial.mass for one in six)
+            inertias[link.name] = (xx, xy, xz, yy, yz, zz)
+    return Reference("Other", robot.mass + mass, (Configuration({"shoulder": 0.3}, centers, inertias),))
+
+
+@pytest.mark.parametrize("wrong", [{}, {"mass": 1e-5}, {"at": 1e-5}, {"turn": 1.00001}])
+def test_what_another_program_has(wrong: dict[str, float]) -> None:
+    robot = read(ARM)
+    row = compare_with(reference(robot, **wrong), robot, Renamed())
+    assert row.is_same == (not wrong)
+    assert "(Other)" in row.source
 
 
 POSES = "poses of links"

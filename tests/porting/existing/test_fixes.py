@@ -5,6 +5,8 @@
 import json
 import math
 import re
+import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +15,13 @@ import pytest
 
 from existing_robots import cube_stl
 from wsgen.cli import run
+from wsgen.descriptions.meshes.stl import write_stl
 from wsgen.descriptions.meshes.worker import measure, read_mesh, write_hull, write_mirrored
 from wsgen.descriptions.urdf.reader import read_urdf
-from wsgen.model.robot import Mesh, Robot
+from wsgen.isolation import parent
+from wsgen.model.inertia import about_link_axes, is_possible
+from wsgen.model.robot import Collision, Mesh, Robot, Visual
+from wsgen.porting.existing import made_meshes
 
 pytestmark = pytest.mark.slow
 
@@ -201,23 +207,187 @@ def test_mirrored_meshes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> 
     assert differing(said) == {"collisions": ["base"]}
 
 
+def heavy(folder: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    monkeypatch.setattr("wsgen.porting.existing.fixes.HEAVY", 10)
+    (folder / "cube.stl").write_bytes(cube_stl())
+    shape = '<{0} name="c"><geometry><mesh filename="cube.stl" scale="2 2 2"/></geometry></{0}>'
+    return robot_of(base=INERTIAL + shape.format("visual") + shape.format("collision"))
+
+
+def names_of(shapes: Iterable[Visual | Collision]) -> list[str]:
+    meshes = [one.geometry for one in shapes]
+    return [one.uri.rpartition("/")[2] for one in meshes if isinstance(one, Mesh)]
+
+
 def test_heavy_collision_meshes(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pytest.importorskip("scipy")
-    monkeypatch.setattr("wsgen.porting.existing.fixes.HEAVY", 10)
-    (tmp_path / "cube.stl").write_bytes(cube_stl())
-    shape = '<{0}><geometry><mesh filename="cube.stl"/></geometry></{0}>'
-    robot, said = fixed(
-        robot_of(base=INERTIAL + shape.format("visual") + shape.format("collision")),
-        tmp_path,
-        capsys,
-    )
+    monkeypatch.setitem(sys.modules, "coacd", None)
+    monkeypatch.setattr(parent, "run", parent.run_here)
+    monkeypatch.setattr(made_meshes, "run", parent.run_here)
+    robot, said = fixed(heavy(tmp_path, monkeypatch), tmp_path, capsys)
     base = robot.link("base")
-    shapes = [base.visuals[0].geometry, base.collisions[0].geometry]
-    names = [one.uri.rpartition("/")[2] for one in shapes if isinstance(one, Mesh)]
-    assert names == ["cube.stl", "cube_hull.stl"]
+    assert names_of(base.visuals) == ["cube.stl"]
+    assert names_of(base.collisions) == ["cube_hull.stl"]
     assert differing(said) == {"collisions": ["base"]}
+    assert said["fixes"] == [
+        "Took the convex hull of `cube.stl` (12 triangles) for the collision of `base`."
+    ]
+
+
+def test_the_convex_parts_of_a_collision_mesh(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A corner of three bars: its hull is several times as large, its parts are not."""
+    pytest.importorskip("coacd")
+    text = heavy(tmp_path, monkeypatch)
+    bars = [
+        np.frombuffer(
+            cube_stl(0.1)[84:], np.dtype([("n", "<f4", 3), ("c", "<f4", (3, 3)), ("a", "<u2")])
+        )["c"]
+        * scale
+        for scale in ((10, 1, 1), (1, 10, 1), (1, 1, 10))
+    ]
+    write_stl(np.concatenate(bars).astype(float), tmp_path / "cube.stl")
+    robot, said = fixed(text, tmp_path, capsys)
+    shapes = robot.link("base").collisions
+    assert 2 <= len(shapes) <= 16
+    assert names_of(shapes) == [f"cube_part_{at}.stl" for at, _ in enumerate(shapes, 1)]
+    assert {one.geometry.scale for one in shapes if isinstance(one.geometry, Mesh)} == {(2, 2, 2)}
+    written = (tmp_path / "here" / "ws_gazebo" / "src" / "my_robot" / "urdf" / "r.urdf").read_text()
+    assert re.findall('<collision name="([^"]*)"', written)[:2] == ["c", "c_2"]
+    meshes = tmp_path / "here" / "ws_gazebo" / "src" / "my_robot" / "meshes"
+    solids = measure([(str(meshes / name), (1.0, 1.0, 1.0)) for name in names_of(shapes)])
+    volumes = [one.volume for one in solids if one is not None and one.is_closed]
+    assert len(volumes) == len(shapes)
+    assert sum(volumes) < 0.06  # 0.028 m³ and what the approximation adds; the hull has 0.19
+    assert f"Took {len(shapes)} convex parts of" in said["fixes"][0]
+
+
+def test_a_heavy_mesh_without_what_would_change_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(made_meshes.MadeMeshes, "parts", lambda *_: ())
+    _, said = fixed(heavy(tmp_path, monkeypatch), tmp_path, capsys)
+    assert said["fixes"] == []
+    assert "pip install 'wsgen[decompose]' makes convex bodies of it" in " ".join(said["notes"])
+
+
+def about(where: str) -> str:
+    """A bar of 2 kg, whose inertia is about another point."""
+    m, center = 2.0, np.array([0.5, 0.1, 0.05])
+    own = np.diag(m / 12 * np.array([0.2**2 + 0.1**2, 1 + 0.1**2, 1 + 0.2**2]))
+    root = np.array([0.0, 0.0, -0.7]) if where == "root" else np.zeros(3)
+    d = center - root
+    if where != "center":
+        own = own + m * (d @ d * np.eye(3) - np.outer(d, d))
+    six = (
+        f'{n}="{own[i][j]:.12g}"'
+        for n, i, j in (
+            ("ixx", 0, 0),
+            ("ixy", 0, 1),
+            ("ixz", 0, 2),
+            ("iyy", 1, 1),
+            ("iyz", 1, 2),
+            ("izz", 2, 2),
+        )
+    )
+    inertial = f'<inertial><origin xyz="0.5 0.1 0.05"/><mass value="2"/><inertia {" ".join(six)}/></inertial>'
+    shape = '<visual><geometry><mesh filename="cube.stl" scale="10 2 1"/></geometry></visual>'
+    place = '<origin xyz="0 0 0.7"/>'
+    return robot_of(f'<link name="arm">{inertial}{shape}{BOX}</link>', joint("arm", more=place))
+
+
+@pytest.mark.parametrize(
+    ("where", "words"),
+    [
+        ("center", None),
+        ("link", "about the origin of the link"),
+        ("root", "about the origin of the root link"),
+    ],
+)
+def test_an_inertia_about_another_point(
+    where: str, words: str | None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "cube.stl").write_bytes(cube_stl())
+    text = about(where)
+    assert new(text, tmp_path, "--dry-run") == 0
+    notes = " ".join(json.loads(capsys.readouterr().out)["robot"]["notes"])
+    offer = f"By its meshes, the inertia of `arm` is that {words}: --fix moves it"
+    assert (offer in notes) == (words is not None)
+    robot, said = fixed(text, tmp_path, capsys)
+    inertial = robot.link("arm").inertial
+    assert inertial is not None
+    wanted = (2 / 12 * 0.05, 0, 0, 2 / 12 * 1.01, 0, 2 / 12 * 1.04)
+    assert about_link_axes(inertial) == pytest.approx(wanted, abs=1e-6)
+    assert inertial.pose_in_link.xyz == (0.5, 0.1, 0.05)
+    if words is None:
+        assert said["fixes"] == []
+    else:
+        assert said["fixes"] == [
+            f"Moved the inertia of `arm` to its center of mass: by its meshes, it was that {words}."
+        ]
+        assert differing(said) == {"inertias": ["arm"]}
+
+
+@pytest.mark.parametrize("change", ["no mesh", "open", "another center"])
+def test_an_inertia_of_which_meshes_tell_nothing(
+    change: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text, mesh = about("link"), cube_stl()
+    if change == "no mesh":
+        text = re.sub("<visual>.*</visual>", "", text)
+    elif change == "open":
+        mesh = mesh[:80] + (11).to_bytes(4, "little") + mesh[84:-50]
+    else:
+        text = text.replace('scale="10 2 1"', 'scale="8 2 1"')
+    (tmp_path / "cube.stl").write_bytes(mesh)
+    _, said = fixed(text, tmp_path, capsys)
+    assert said["fixes"] == []
+
+
+def test_a_mass_that_gazebo_drops(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """As the links of sensors in models of drones."""
+    light = '<inertial><mass value="1e-8"/><inertia ixx="1e-11" iyy="1e-11" izz="1e-11" ixy="0" ixz="0" iyz="0"/></inertial>'
+    robot, said = fixed(
+        robot_of(f'<link name="imu">{light}</link>', joint("imu")), tmp_path, capsys
+    )
+    inertial = robot.link("imu").inertial
+    assert inertial is not None
+    assert inertial.mass == 1e-5
+    assert is_possible(inertial.inertia)
+    assert said["fixes"] == [
+        "Raised the mass of `imu` from 1e-08 to 1e-05 kg, as Gazebo drops what is lighter than a milligram."
+    ]
+
+
+def test_a_mass_in_grams(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    inertial = '<inertial><mass value="60"/><inertia ixx="0.00065" iyy="0.0005" izz="0.00025" ixy="0" ixz="0" iyz="0"/></inertial>'
+    robot, said = fixed(robot_of(base=inertial + BOX), tmp_path, capsys)
+    assert robot.mass == 0.06
+    assert "in grams" in said["fixes"][0]
+
+
+def test_the_rounds_have_an_end(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Behind each link that is dropped may be another one; what is left then is still reported."""
+    chain = [
+        f'<link name="l{at}"/><joint name="j{at}" type="revolute"><parent link="{f"l{at - 1}" if at else "base"}"/><child link="l{at}"/><axis xyz="0 0 1"/>{LIMIT}</joint>'
+        for at in range(5)
+    ]
+    monkeypatch.setattr("wsgen.porting.existing.fixes.MOST_ROUNDS", 2)
+    assert new(robot_of(*chain), tmp_path, "--fix", "--dry-run") == 1
+    said = json.loads(capsys.readouterr().out)["robot"]
+    assert [one["name"] for one in said["diagnostics"] if one["severity"] == "error"] == [
+        "dropped-link"
+    ]
+    monkeypatch.undo()
+    monkeypatch.chdir(tmp_path / "here")
+    robot, said = fixed(robot_of(*chain), tmp_path, capsys)
+    assert sum(one.inertial is not None for one in robot.links) == 6
+    assert len(said["fixes"]) == 5
 
 
 @pytest.mark.parametrize(

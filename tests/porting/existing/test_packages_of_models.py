@@ -82,7 +82,84 @@ def test_an_mjcf(package: Path, tmp_path: Path, capsys: pytest.CaptureFixture[st
     file.write_text(MJCF)
     (tmp_path / "part.stl").write_bytes(binary_stl())
     assert new(file) == 0
-    output = capsys.readouterr().err
+    said = capsys.readouterr()
+    output = said.err
+    row = next(line for line in said.out.splitlines() if "(MuJoCo" in line)
+    assert row.strip().startswith("masses and inertias in 10 random configurations")
+    assert row.endswith("same")
     assert "arm.xml:4: The ball joint `turn` became three revolute joints" in output
     assert {one.name for one in (package / "meshes").iterdir()} == {"part.stl", "ellipsoid.stl"}
     assert (package / "urdf" / "arm.urdf").is_file()
+
+
+def test_a_model_that_is_included_from_elsewhere(
+    package: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    base, cart = tmp_path / "models" / "base", tmp_path / "models" / "cart"
+    base.mkdir(parents=True)
+    cart.mkdir()
+    (base / "model.config").write_text("<model><sdf version='1.9'>model.sdf</sdf></model>")
+    link = '<link name="base"><inertial><mass>2</mass></inertial></link>'
+    (base / "model.sdf").write_text(f'<sdf version="1.9"><model name="base">{link}</model></sdf>')
+    (cart / "model.config").write_text("<model><sdf version='1.9'>model.sdf</sdf></model>")
+    (cart / "model.sdf").write_text(
+        '<sdf version="1.9"><model name="cart"><include merge="true"><uri>model://base</uri>'
+        "</include></model></sdf>"
+    )
+    assert new(cart) == 2
+    said = capsys.readouterr().err
+    assert f"which is {base / 'model.sdf'}" in said
+    assert "--copy-outside" in said
+    assert not package.exists()
+    assert new(cart, "--copy-outside") == 0
+    robot = ET.parse(package / "urdf" / "model.urdf").getroot()
+    assert [link.get("name") for link in robot.iter("link")] == ["base"]
+
+
+def test_the_strength_of_a_wheel(package: Path, tmp_path: Path) -> None:
+    """A joint that turns endlessly has an effort and a velocity, in models within others, too."""
+    file = tmp_path / "cart.sdf"
+    inertial = "<inertial><mass>2</mass></inertial>"
+    file.write_text(
+        f'<sdf version="1.9"><model name="cart"><model name="inner"><link name="base">{inertial}'
+        f'</link><link name="wheel">{inertial}</link><joint name="turn" type="revolute">'
+        "<parent>base</parent><child>wheel</child><axis><xyz>0 1 0</xyz><limit>"
+        "<lower>-inf</lower><upper>inf</upper><effort>7</effort><velocity>3</velocity></limit>"
+        "</axis></joint></model></model></sdf>"
+    )
+    assert new(file) == 0
+    (joint,) = ET.parse(package / "urdf" / "cart.urdf").getroot().iter("joint")
+    assert joint.get("type") == "continuous"
+    limit = joint.find("limit")
+    assert limit is not None
+    assert limit.attrib == {"effort": "7", "velocity": "3"}
+
+
+def test_a_joint_that_its_limits_hold(package: Path, tmp_path: Path) -> None:
+    """Models of drones have the link of an IMU on a joint that cannot move: no fix sets it free."""
+    file = tmp_path / "drone.sdf"
+    inertial = "<inertial><mass>0.1</mass></inertial>"
+    file.write_text(
+        f'<sdf version="1.9"><model name="drone"><link name="base">{inertial}</link>'
+        f'<link name="imu">{inertial}</link><joint name="hold" type="revolute">'
+        "<parent>base</parent><child>imu</child><axis><xyz>1 0 0</xyz><limit><lower>0</lower>"
+        "<upper>0</upper><effort>0</effort><velocity>0</velocity></limit></axis></joint>"
+        "</model></sdf>"
+    )
+    assert new(file, "--fix") == 0
+    (joint,) = ET.parse(package / "urdf" / "drone.urdf").getroot().iter("joint")
+    limit = joint.find("limit")
+    assert limit is not None
+    assert (limit.get("lower"), limit.get("upper")) == ("0", "0")
+
+
+def test_a_template_of_a_model(
+    package: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    model = tmp_path / "boat"
+    model.mkdir()
+    (model / "model.config").write_text("<model><sdf version='1.5'>boat.sdf</sdf></model>")
+    (model / "boat.sdf.jinja").write_text("<sdf><model>{{ body }}</model></sdf>")
+    assert new(model) == 4
+    assert "boat.sdf.jinja is a template: give the file that its" in capsys.readouterr().err
+    assert not package.exists()

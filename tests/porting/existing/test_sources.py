@@ -3,6 +3,7 @@
 # ruff: noqa: E501  elements as people write them
 
 import io
+import random
 import stat
 import zipfile
 from pathlib import Path
@@ -120,6 +121,33 @@ def test_a_zip_that_is_damaged(tmp_path: Path) -> None:
     data[60:90] = b"\xff" * 30
     file.write_bytes(data)
     with pytest.raises(NotReadableError, match="cannot be unpacked"):
+        opened(file, tmp_path / "scratch")
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_zip_with_bytes_that_are_wrong(seed: int, tmp_path: Path) -> None:
+    """It is opened, or refused with a message; nothing else is raised."""
+    whole = packed(tmp_path, ("a/arm.urdf", ARM.encode() * 20), ("a/b.stl", b"1234")).read_bytes()
+    chance = random.Random(seed)  # noqa: S311  no secret
+    refused = 0
+    for number in range(60):
+        data = bytearray(whole)
+        for _ in range(chance.randrange(1, 6)):
+            data[chance.randrange(len(data))] = chance.randrange(256)
+        file = tmp_path / f"{number}.zip"
+        file.write_bytes(data)
+        try:
+            opened(file, tmp_path / f"scratch-{number}")
+        except WsgenError as error:
+            refused += bool(error.hint)
+    assert refused > 10
+
+
+def test_a_zip_with_another_compression(tmp_path: Path) -> None:
+    file = tmp_path / "robot.zip"
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_BZIP2) as archive:
+        archive.writestr("arm.urdf", ARM)
+    with pytest.raises(NotReadableError, match="is not compressed as zips are"):
         opened(file, tmp_path / "scratch")
 
 

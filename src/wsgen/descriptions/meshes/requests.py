@@ -143,3 +143,4 @@ class Solid:
     volume: float  # m³
     center: Vector  # of mass, m
     inertia: tuple[float, ...]  # about the center of mass, m⁵: ixx ixy ixz iyy iyz izz
+    is_closed: bool = True  # else it is what its convex hull has, or the box around it

@@ -332,20 +332,46 @@ def measure(requests: Sequence[tuple[str, Vector]]) -> list[Solid | None]:
 def _solid(corners: NDArray[np.float64]) -> Solid | None:
     import trimesh  # noqa: PLC0415  see above
 
-    mesh = _mesh_of(corners)
-    if not mesh.is_watertight:
+    is_closed = _is_closed(corners)
+    if not is_closed:
+        mesh = _mesh_of(corners)
         try:
             mesh = mesh.convex_hull
         except Exception:  # noqa: BLE001  without scipy, or of a flat mesh
             mesh = trimesh.creation.box(bounds=mesh.bounds)
-    found = mesh.mass_properties
-    sign = -1.0 if found["volume"] < 0 else 1.0  # its faces look inwards
-    volume, inertia = sign * float(found["volume"]), sign * np.asarray(found["inertia"])
+        corners = np.asarray(mesh.triangles, dtype=np.float64)
+    # The integrals of the tetrahedra over a point within, whose sum is the body.
+    middle = corners.mean(axis=(0, 1))
+    tetrahedra = corners - middle
+    sums = tetrahedra.sum(axis=1)
+    volumes = np.linalg.det(tetrahedra) / 6
+    volume = volumes.sum()
+    volumes, volume = (-volumes, -volume) if volume < 0 else (volumes, volume)  # seen from inside
     if not volume > 0:
         return None
-    x, y, z = (float(one) for one in found["center_mass"])
-    pairs = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
-    return Solid(volume=volume, center=(x, y, z), inertia=tuple(float(inertia[at]) for at in pairs))
+    center = volumes @ sums / 4 / volume
+    second = np.einsum("t,tci,tcj->ij", volumes, tetrahedra, tetrahedra)
+    second = (second + np.einsum("t,ti,tj->ij", volumes, sums, sums)) / 20
+    second -= volume * np.outer(center, center)
+    inertia = np.trace(second) * np.eye(3) - second
+    x, y, z = map(float, center + middle)
+    return Solid(
+        volume=float(volume),
+        center=(x, y, z),
+        inertia=tuple(map(float, inertia[np.triu_indices(3)])),
+        is_closed=is_closed,
+    )
+
+
+def _is_closed(corners: NDArray[np.float64]) -> bool:
+    """Whether each edge of a triangle is one of another triangle, the other way round."""
+    points, numbers = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
+    faces = numbers.reshape(-1, 3)
+    starts, ends = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    is_edge = starts != ends  # triangles without an area have others
+    starts, ends = starts[is_edge], ends[is_edge]
+    forth, back = starts * len(points) + ends, ends * len(points) + starts
+    return bool(len(forth)) and np.array_equal(np.sort(forth), np.sort(back))
 
 
 def _mesh_of(corners: NDArray[np.float64]) -> Any:
@@ -372,3 +398,36 @@ def write_hull(path: str, target: str) -> bool:
         return False
     write_stl(np.asarray(hull.triangles, dtype=np.float64), Path(target))
     return True
+
+
+# Sixteen hulls of at most 124 triangles; a mesh of 100,000 triangles takes some seconds.
+DECOMPOSITION = {
+    "threshold": 0.1,
+    "max_convex_hull": 16,
+    "decimate": True,
+    "max_ch_vertex": 64,
+    "preprocess_mode": "on",
+    "preprocess_resolution": 30,
+    "resolution": 500,
+    "mcts_iterations": 30,
+    "mcts_nodes": 10,
+}
+
+
+def write_parts(path: str, folder: str) -> list[str]:
+    """Write convex bodies that together have the shape of a mesh, as STL; returns their paths.
+
+    They are none where coacd, which finds them, is not installed.
+    """
+    try:
+        import coacd  # noqa: PLC0415  0.1 s, and it is an extra
+    except (ImportError, OSError):  # without a library that it loads
+        return []
+    coacd.set_log_level("off")
+    mesh = _mesh_of(read_mesh(Path(path)).corners)
+    parts = coacd.run_coacd(coacd.Mesh(mesh.vertices, mesh.faces), **DECOMPOSITION)
+    places = []
+    for number, (vertices, faces) in enumerate(parts, 1):
+        places.append(Path(folder, f"{number}.stl"))
+        write_stl(np.asarray(vertices, dtype=np.float64)[np.asarray(faces)], places[-1])
+    return [str(place) for place in places]

@@ -201,6 +201,11 @@ class Includes:
         return found
 
     @property
+    def files(self) -> frozenset[Path]:
+        """The files of included models."""
+        return frozenset((*self._sources, *self._robots))
+
+    @property
     def has_left_to_gazebo(self) -> bool:
         """Whether what only Gazebo finds is not here; it may be what robots stand on."""
         return bool(self._of_gazebo or self._of_network)

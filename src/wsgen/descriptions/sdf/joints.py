@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.descriptions.rules import (
@@ -134,7 +135,8 @@ def read_joint(
         if kind is JointType.REVOLUTE and is_free:
             kind = JointType.CONTINUOUS
         if is_free or kind is JointType.CONTINUOUS:
-            limit = None
+            has_strength = min(limit.effort, limit.velocity) < UNBOUNDED
+            limit = replace(limit, lower=0.0, upper=0.0) if has_strength else None
     elif kind is JointType.REVOLUTE:
         kind = JointType.CONTINUOUS
     dynamics: dict[str, Any] = {

@@ -448,6 +448,7 @@ class SdfFile(NamedTuple):
     models: tuple[SdfModel, ...] = ()  # but for sun and ground, which are in `world`
     diagnostics: tuple[Diagnostic, ...] = ()
     devices: Devices | None = None  # of the world, if they are wanted
+    included: frozenset[Path] = frozenset()  # the files of included models
 
     @property
     def files(self) -> frozenset[Path]:
@@ -484,7 +485,7 @@ def read_sdf(
     includes = Includes(find_model, diagnostics, read_robot, with_devices=with_devices)
     found = None if source is None else _read(source, includes)
     includes.report_left_to_gazebo()
-    return _finished(diagnostics, found)
+    return _finished(diagnostics, found, includes)
 
 
 def read_model(
@@ -509,12 +510,14 @@ def read_model(
     includes = Includes(find_model, diagnostics, with_devices=with_devices)
     found = None if source is None else _read_spawned(source, includes, pose_in_world)
     includes.report_left_to_gazebo(is_robot=True)
-    return _finished(diagnostics, found)
+    return _finished(diagnostics, found, includes)
 
 
-def _finished(diagnostics: list[Diagnostic], found: SdfFile | None) -> SdfFile:
+def _finished(diagnostics: list[Diagnostic], found: SdfFile | None, includes: Includes) -> SdfFile:
     # A model that is included twice is reported once.
-    return (found or SdfFile())._replace(diagnostics=tuple(dict.fromkeys(diagnostics)))
+    return (found or SdfFile())._replace(
+        diagnostics=tuple(dict.fromkeys(diagnostics)), included=includes.files
+    )
 
 
 def _read(source: Source, includes: Includes) -> SdfFile | None:

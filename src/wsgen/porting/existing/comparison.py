@@ -7,7 +7,7 @@ import random
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.model.inertia import about_link_axes
+from wsgen.model.inertia import about_link_axes, turned
 from wsgen.model.robot import JointType, Mesh
 from wsgen.model.transform import UNIT, Matrix, Vector, multiply, rotate, rotation_of_rpy
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from wsgen.model.robot import Geometry, Joint, Link, Robot
+    from wsgen.porting.existing.description import Reference
 
 
 CONFIGURATIONS = 10  # random positions of all joints
@@ -174,6 +175,42 @@ class _Comparison:
         return self._row(
             f"poses of links in {CONFIGURATIONS} random configurations", "", shown, [*differing]
         )
+
+
+def compare_with(reference: Reference, package: Robot, renamed: Renamed) -> ComparedRow:
+    """Compare a robot with what another program has of it in random configurations."""
+    links = {one.name: one for one in package.links}
+    largest, differing = 0.0, dict[str, None]()
+    for one in reference.configurations:
+        placed = place_links(
+            package,
+            {renamed.joints.get(name, name): value for name, value in one.positions.items()},
+        )
+        for name, center in one.centers.items():
+            here = renamed.links.get(name, name)
+            inertial = links[here].inertial if here in links else None
+            if inertial is None or here not in placed:
+                differing[name] = None
+                continue
+            matrix, origin = placed[here]
+            offset = rotate(matrix, inertial.pose_in_link.xyz)
+            at = tuple(a + b for a, b in zip(origin, offset, strict=True))
+            inertia = turned(about_link_axes(inertial), matrix)
+            apart = math.dist(at, center)
+            largest = max(largest, apart)
+            share = tuple(moment / inertial.mass for moment in inertia)
+            if apart > TOLERANCE or not _is_close(one.inertias[name], share):
+                differing[name] = None
+    mass = sum(one.inertial.mass for one in package.links if one.inertial is not None)
+    if abs(mass - reference.mass) > TOLERANCE * reference.mass:
+        differing[package.root] = None
+    return ComparedRow(
+        f"masses and inertias in {len(reference.configurations)} random configurations",
+        f"{reference.mass:.9g} kg ({reference.program})",
+        f"{mass:.9g} kg, centers up to {largest:.2g} m apart",
+        not differing,
+        tuple(differing),
+    )
 
 
 def place_links(robot: Robot, positions: Mapping[str, float]) -> dict[str, Placement]:

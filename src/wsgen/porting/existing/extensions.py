@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.errors import RequestError
 from wsgen.gazebo.bridged_types import PAIRS
+from wsgen.gazebo.plugins import stem
 from wsgen.gazebo.sensors import SYSTEM_OF_SENSOR
+from wsgen.gazebo.successors import STATES
 from wsgen.model.kinematics import unactuated_joints
 from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere
 from wsgen.model.target import CLASSIC
@@ -158,11 +160,7 @@ def extend(robot: Robot, lumped: Robot, wanted: Wanted, target: Target, name: st
 
 
 def _publishes_joint_states(robot: Robot) -> bool:
-    names = [one.filename for tag in robot.gazebo for one in tag.plugins]
-    return any(
-        "joint_state_publisher" in name or "joint-state-publisher" in name or "ros2_control" in name
-        for name in names
-    )
+    return any(stem(one.filename) in STATES for tag in robot.gazebo for one in tag.plugins)
 
 
 def _row(gz_topic: str, gz_type: str, direction: str, ros_topic: str) -> BridgeRow:

@@ -13,23 +13,24 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.fixes.plan import FIXERS
 from wsgen.checks.fixes.source import Edit, SourceText, apply, children, overlap, read_tags
-from wsgen.model.inertia import made_possible, moved, of_solid
-from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere
-from wsgen.model.transform import multiply, rotate, rotation_of_rpy, transpose
+from wsgen.model.inertia import made_possible
+from wsgen.model.robot import JointType, Mesh
+from wsgen.porting.existing.inertias import DENSITY, filled, misplaced
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.checks.fixes.source import Tag
-    from wsgen.descriptions.meshes.requests import Solid
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.robot import Geometry, Joint, Link, Robot
-    from wsgen.model.transform import Pose, Vector
+    from wsgen.model.robot import Joint, Link, Robot
+    from wsgen.model.transform import Vector
+    from wsgen.porting.existing.made_meshes import MadeMeshes
 
 
-DENSITY = 1000.0  # kg/m³, of a link without a mass; that of water, and of many robots on average
 HEAVY = 100_000  # triangles of a collision mesh
 MOST_ROUNDS = 20  # one fix may show the next mistake, behind each dropped link another one
+NEEDS_EXTRA = "pip install 'wsgen[decompose]'"
+_LIGHT = 1e-5  # kg, of a link that Gazebo Classic would drop; it keeps what has more than 1e-6
 _SMALL = (0.01, 1e-5)  # kg and kg m², of a link without mass and shape
 _FREE = (1000.0, 100.0)  # N m (N) and rad/s (m/s), of a joint without effort and velocity
 _WIDE = 3.14159  # rad or m to both sides, of a joint whose limits are equal
@@ -60,22 +61,12 @@ class Fixed(NamedTuple):
     refused: tuple[str, ...]  # sentences: what could not be fixed
 
 
-Mirrored = tuple[str, "Vector"]
-
-
-class Meshes(NamedTuple):
-    """What fixes may ask of meshes."""
-
-    measure: Callable[[Sequence[tuple[str, Vector]]], list[Solid | None]]
-    # Path and signs -> the name of the new mesh.
-    mirror: Callable[[Sequence[Mirrored]], dict[Mirrored, str]]
-    hull: Callable[[str], str | None]  # path -> the name of the new mesh
-
-
 Diagnose = Callable[[str], "tuple[Robot | None, Iterable[Diagnostic]]"]
 
 
-def fix(text: str, file: Path, diagnose: Diagnose, meshes: Meshes) -> Fixed:
+def fix(
+    text: str, file: Path, diagnose: Diagnose, meshes: MadeMeshes, *, are_ranges_meant: bool = False
+) -> Fixed:
     """Make all fixes of a URDF.
 
     Args:
@@ -83,8 +74,9 @@ def fix(text: str, file: Path, diagnose: Diagnose, meshes: Meshes) -> Fixed:
         file: What it is from.
         diagnose: Reads a text, with the paths and bounds of its meshes.
         meshes: Measures and writes meshes.
+        are_ranges_meant: Whether joints with equal limits are to be held by them.
     """
-    fixing = _Fixing(file, meshes)
+    fixing = _Fixing(file, meshes, are_ranges_meant=are_ranges_meant)
     for _ in range(MOST_ROUNDS):
         robot, found = diagnose(text)
         after = fixing.make(text, robot, found)
@@ -118,13 +110,16 @@ def without_missing(text: str, missing: Iterable[str]) -> tuple[str, list[Fix]]:
 class _Fixing:
     """The fixes of one text, round by round."""
 
-    def __init__(self, file: Path, meshes: Meshes) -> None:
+    def __init__(self, file: Path, meshes: MadeMeshes, *, are_ranges_meant: bool) -> None:
         self.file, self.meshes = file, meshes
+        self.are_ranges_meant = are_ranges_meant
         self.fixes: list[Fix] = []
         self.refused: list[str] = []
         self.links: dict[str, str] = {}
         self.joints: dict[str, str] = {}
+        self.parts: dict[str, tuple[str, ...]] = {}  # of a mesh, by its path
         self.hulls: set[str] = set()  # names of meshes, with those that have none
+        self.are_inertias_known = False
 
     def make(self, text: str, robot: Robot | None, found: Iterable[Diagnostic]) -> str:
         """The text with the fixes of a round, which do not touch each other."""
@@ -136,6 +131,7 @@ class _Fixing:
         else:
             planned += self._names(robot)
         if not planned:  # names first: the others are found by them
+            planned += [] if robot is None else self._misplaced(robot)
             found = list(found)
             whole = {one.name: one for one in found if one.name in _WHOLE}
             for one in (*(one for one in found if one.name not in whole), *whole.values()):
@@ -274,7 +270,8 @@ class _Fixing:
 
     def _fill(self, link: Link, tag: Tag) -> Iterable[Fix]:
         shapes = [(one.geometry, one.pose_in_link) for one in link.collisions or link.visuals]
-        mass, center, six = self._of_shapes(shapes)
+        body = filled(shapes, self.meshes.measure)
+        mass, center, six = body.mass, body.center, body.inertia
         what = f"from its shapes and a density of {DENSITY:g} kg/m³"
         if mass <= 0:
             mass, small = _SMALL
@@ -290,35 +287,6 @@ class _Fixing:
             (link.name,),
             (_replacement(before, written) if before else _insertion(self.text, tag, written),),
         )
-
-    def _of_shapes(
-        self, shapes: Sequence[tuple[Geometry, Pose]]
-    ) -> tuple[float, Vector, tuple[float, ...]]:
-        """Mass, center and inertia of shapes that are filled."""
-        meshes = [(one.path, one.scale) for one, _ in shapes if isinstance(one, Mesh) and one.path]
-        solids = dict(zip(meshes, self.meshes.measure(meshes), strict=True)) if meshes else {}
-        bodies = []
-        for geometry, pose in shapes:
-            body = _solid_of(geometry, solids)
-            if body is not None:
-                bodies.append((*body, pose))
-        mass = sum(one[0] for one in bodies)
-        if mass <= 0:
-            return 0.0, (0.0, 0.0, 0.0), ()
-        placed = []
-        for own, at, six, pose in bodies:
-            turn = rotation_of_rpy(pose.rpy)
-            x, y, z = rotate(turn, at)
-            matrix = ((six[0], six[1], six[2]), (six[1], six[3], six[4]), (six[2], six[4], six[5]))
-            turned = multiply(multiply(turn, matrix), transpose(turn))
-            placed.append((own, (pose.x + x, pose.y + y, pose.z + z), turned))
-        center = tuple(sum(own * at[i] for own, at, _ in placed) / mass for i in range(3))
-        total = [0.0] * 6
-        for own, at, m in placed:
-            offset = (at[0] - center[0], at[1] - center[1], at[2] - center[2])
-            six = moved((m[0][0], m[0][1], m[0][2], m[1][1], m[1][2], m[2][2]), own, offset)
-            total = [a + b for a, b in zip(total, six, strict=True)]
-        return mass, (center[0], center[1], center[2]), tuple(total)
 
     def zero_masses(self, _found: Diagnostic, robot: Robot) -> Iterable[Fix]:
         """Leave out <inertial> of mass 0 of links that are fixed to others, which lump them."""
@@ -420,39 +388,105 @@ class _Fixing:
             )
 
     def _heavy(self, robot: Robot) -> Iterable[Fix]:
-        """Convex hulls in place of collision meshes with very many triangles."""
+        """Convex bodies in place of collision meshes with very many triangles."""
         heavy = {
             one.geometry.uri: one.geometry
             for link in robot.links
             for one in link.collisions
             if isinstance(one.geometry, Mesh) and (one.geometry.triangles or 0) > HEAVY
         }
-        hulls: dict[str, str | None] = {}
         for tag in self.tags:
-            written = tag.attributes.get("filename")
-            if written is not None and written.text in self.hulls:
+            uri = _attribute(tag, "filename")
+            collision = next((one for one in tag.path if one.name == "collision"), None)
+            mesh = heavy.get(uri) if tag.name == "mesh" and collision else None
+            if mesh is None or mesh.path is None or uri in self.hulls:
                 continue
-            mesh = heavy.get(written.text) if written and tag.name == "mesh" else None
-            if mesh is None or written is None or mesh.path is None:
-                continue
-            if not any(one.name == "collision" for one in tag.path):
-                continue
-            if mesh.path not in hulls:
-                hulls[mesh.path] = self.meshes.hull(mesh.path)
-                self.hulls.add(hulls[mesh.path] or written.text)
-            hull, short = hulls[mesh.path], written.text.rpartition("/")[2]
-            if hull is None:
+            if mesh.path not in self.parts:
+                self.parts[mesh.path] = self.meshes.parts(mesh.path)
+                self.hulls.update(self.parts[mesh.path] or [uri])
+            parts, short = self.parts[mesh.path], uri.rpartition("/")[2]
+            what = f"`{short}` ({mesh.triangles:,} triangles)"
+            if not parts:
                 self.refused.append(
-                    f"The collision mesh `{short}` has {mesh.triangles:,} triangles: its convex"
-                    " hull needs scipy (pip install scipy)."
+                    f"The collision mesh {what} stays as it is: {NEEDS_EXTRA} makes convex"
+                    " bodies of it."
                 )
                 continue
+            taken = f"{len(parts)} convex parts" if len(parts) > 1 else "the convex hull"
+            whole = next(one for one in self.tags if collision and one.start == collision.start)
             yield Fix(
-                f"Took the convex hull of `{short}` ({mesh.triangles:,} triangles) for the"
-                f" collision of `{_link_of(tag)}`.",
+                f"Took {taken} of {what} for the collision of `{_link_of(tag)}`.",
                 (_link_of(tag),),
-                (Edit(start=written.value.start, end=written.value.end, text=hull),),
+                (_replacement(whole, "\n    ".join(self._copies(whole, tag, parts))),),
             )
+
+    def _copies(self, whole: Tag, mesh: Tag, names: Sequence[str]) -> Iterable[str]:
+        """An element <collision> for each mesh."""
+        start, end = whole.start.start, _end_of(whole)
+        written = whole.attributes.get("name")
+        for number, name in enumerate(names, 1):
+            place = mesh.attributes["filename"].value
+            edits = [Edit(start=place.start - start, end=place.end - start, text=name)]
+            if written is not None and number > 1:
+                place = written.value
+                text = f"{written.text}_{number}"
+                edits.append(Edit(start=place.start - start, end=place.end - start, text=text))
+            yield apply(self.text[start:end], edits)
+
+    def _misplaced(self, robot: Robot) -> Iterable[Fix]:
+        """The inertia about the center of mass, of links that have it about another point."""
+        if self.are_inertias_known:
+            return
+        self.are_inertias_known = True
+        for found in misplaced(robot, self.meshes.measure):
+            link = self.element("link", found.link)
+            inside = (one for one in self.tags if link and link.start in _starts(one))
+            tag = next((one for one in inside if one.name == "inertia"), None)
+            if tag is None:
+                continue
+            turned = [
+                _set(one, "rpy", "0 0 0")
+                for one in self.tags
+                if one.name == "origin"
+                and "rpy" in one.attributes
+                and one.path[-1].start == tag.path[-1].start
+            ]
+            yield Fix(
+                f"Moved the inertia of `{found.link}` to its center of mass: by its meshes, it was"
+                f" that {found.where}.",
+                (found.link,),
+                (_replacement(tag, _inertia(found.inertia)), *turned),
+            )
+
+    def light(self, found: Diagnostic, robot: Robot) -> Iterable[Fix]:
+        """A mass that Gazebo keeps; or, of one in grams, the mass that fits its inertia."""
+        in_grams = re.search(r'<mass value="([^"]+)"', found.hint or "")
+        for name in _LINK.findall(found.element or ""):
+            link = next((one for one in robot.links if one.name == name), None)
+            tag = self.element("link", name)
+            inside = [one for one in self.tags if tag and tag.start in _starts(one)]
+            mass = next((one for one in inside if one.name == "mass"), None)
+            inertia = next((one for one in inside if one.name == "inertia"), None)
+            if link is None or link.inertial is None or mass is None or inertia is None:
+                continue
+            if in_grams:
+                yield Fix(
+                    f"Divided the mass of `{name}` by 1000: it was in grams, as its"
+                    " inertia and its shape show.",
+                    (name,),
+                    (_set(mass, "value", in_grams[1]),),
+                )
+            else:
+                least, more = _LIGHT, _LIGHT - link.inertial.mass
+                xx, xy, xz, yy, yz, zz = link.inertial.inertia
+                moment = 0.4 * more * 1e-4  # of a ball with a radius of a centimeter
+                six = (xx + moment, xy, xz, yy + moment, yz, zz + moment)
+                yield Fix(
+                    f"Raised the mass of `{name}` from {link.inertial.mass:g} to {least:g} kg, as"
+                    " Gazebo drops what is lighter than a milligram.",
+                    (name,),
+                    (_set(mass, "value", f"{least:g}"), _replacement(inertia, _inertia(six))),
+                )
 
     def limit(self, found: Diagnostic, robot: Robot) -> Iterable[Fix]:
         """Limits with which a joint can move."""
@@ -463,6 +497,8 @@ class _Fixing:
                 continue
             limit = next((one for one in children(self.tags, tag) if one.name == "limit"), None)
             values = _limits_of(joint)
+            if self.are_ranges_meant and joint.limit:
+                values |= {"lower": joint.limit.lower, "upper": joint.limit.upper}
             text = " ".join(f'{key}="{value:.9g}"' for key, value in values.items())
             written = f"<limit {text}/>"
             changed = ", ".join(
@@ -492,6 +528,7 @@ _SPECIAL: dict[str, _Special] = {
     "impossible-inertia": _Fixing.possible,
     "implausible-mesh-size": _Fixing.scale,
     "mirrored-collision-mesh": _Fixing.mirror,
+    "implausible-mass": _Fixing.light,
     **dict.fromkeys(("no-range", "missing-limit", "zero-effort", "zero-velocity"), _Fixing.limit),
 }
 
@@ -510,34 +547,6 @@ def _limits_of(joint: Joint) -> dict[str, float]:
     if lower == upper:
         lower, upper = lower - _WIDE, upper + _WIDE
     return {"lower": lower, "upper": upper, **values}
-
-
-def _solid_of(
-    geometry: Geometry, solids: dict[tuple[str, Vector], Solid | None]
-) -> tuple[float, Vector, tuple[float, ...]] | None:
-    """Mass, center and inertia (six numbers, about the center) of a filled shape in its frame."""
-    if isinstance(geometry, Mesh):
-        solid = solids.get((geometry.path or "", geometry.scale))
-        if solid is None:
-            return None
-        return DENSITY * solid.volume, solid.center, tuple(DENSITY * one for one in solid.inertia)
-    volume = _volume(geometry)
-    moments = None if volume is None else of_solid(geometry, DENSITY * volume)
-    if volume is None or moments is None:
-        return None
-    x, y, z = moments
-    return DENSITY * volume, (0.0, 0.0, 0.0), (x, 0.0, 0.0, y, 0.0, z)
-
-
-def _volume(geometry: Geometry) -> float | None:
-    if isinstance(geometry, Box):
-        return math.prod(geometry.size)
-    if isinstance(geometry, Sphere):
-        return 4 / 3 * math.pi * geometry.radius**3
-    if isinstance(geometry, Cylinder | Capsule):
-        ends = 4 / 3 * math.pi * geometry.radius**3 if isinstance(geometry, Capsule) else 0.0
-        return math.pi * geometry.radius**2 * geometry.length + ends
-    return None
 
 
 def _attribute(tag: Tag, name: str) -> str:

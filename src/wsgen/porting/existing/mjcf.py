@@ -16,6 +16,7 @@ from wsgen.isolation import parent
 from wsgen.isolation.codec import decode
 from wsgen.isolation.result import Died, Limits
 from wsgen.model.robot import Robot  # noqa: TC001  decoded by type hints
+from wsgen.porting.existing.description import Reference  # noqa: TC001  decoded by type hints
 from wsgen.porting.existing.urdf_text import describe
 from wsgen.porting.ported import Unported
 from wsgen.text.files import read_regular_text, real_path
@@ -53,6 +54,7 @@ class Compiled(NamedTuple):
     robot: Robot
     said: tuple[Said, ...]
     crosses: tuple[str, ...]  # the links between the joints of a body
+    reference: Reference
 
 
 def read_mjcf(file: Path, *, folder: Path | None = None) -> Description:
@@ -92,9 +94,10 @@ def read_mjcf(file: Path, *, folder: Path | None = None) -> Description:
             )
         compiled = decode(outcome.value, Compiled)
         notes = [_note(said, file, sources) for said in compiled.said]
-        return describe(
+        described = describe(
             compiled.robot, file=file, notes=notes, scratch=scratch, crosses=compiled.crosses
         )
+        return described._replace(reference=compiled.reference)
 
 
 def _project_of(file: Path) -> Path:

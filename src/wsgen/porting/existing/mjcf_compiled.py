@@ -34,6 +34,7 @@ from wsgen.model.robot import (
 )
 from wsgen.model.transform import Pose
 from wsgen.porting.existing.mjcf import Compiled, Said
+from wsgen.porting.existing.mjcf_reference import refer_to
 from wsgen.porting.existing.urdf_text import FARTHEST, SHARE, free
 from wsgen.simulation.mujoco_body import library as mujoco
 from wsgen.text.suggestions import some_of
@@ -130,7 +131,10 @@ class _Reader:
             joints=tuple(self.joints),
             fixed_to_world=not is_floating,
         )
-        return Compiled(robot, tuple(self.said), tuple(self.crosses))
+        bodies = {name: body for body, name in self.link_names.items()}
+        joints = {name: joint for joint, name in self.joint_names.items()}
+        reference = refer_to(model, robot, bodies, joints)
+        return Compiled(robot, tuple(self.said), tuple(self.crosses), reference)
 
     def _is_free(self, body: int) -> bool:
         joint = self.model.body_jntadr[body]

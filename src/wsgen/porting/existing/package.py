@@ -8,24 +8,20 @@ import re
 import shutil
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.fixes.source import SourceText, apply
 from wsgen.checks.rules.entities import lowest_point
-from wsgen.descriptions.meshes.inspection import LIMITS
 from wsgen.descriptions.meshes.lookup import find_meshes
-from wsgen.descriptions.meshes.requests import Solid
 from wsgen.descriptions.urdf.lumping import WORLD
 from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.descriptions.xacro.reader import expand_file
 from wsgen.diagnostics import Severity, has_errors
 from wsgen.errors import NotReadableError, RequestError
 from wsgen.gazebo.systems import plugin_of
-from wsgen.isolation.codec import decode
 from wsgen.isolation.parent import make_scratch, run
-from wsgen.isolation.result import Died
 from wsgen.model.kinematics import link_poses
-from wsgen.model.robot import Box, Capsule, Cylinder, Mesh, Sphere
+from wsgen.model.robot import Mesh
 from wsgen.model.target import SIM
 from wsgen.model.transform import IDENTITY, compose, rotation_of_rpy
 from wsgen.packages.source_shares import serve_sources
@@ -42,22 +38,21 @@ from wsgen.porting.existing.catkin import (
     port_manifest,
     siblings_of,
 )
-from wsgen.porting.existing.comparison import Renamed, compare
+from wsgen.porting.existing.comparison import Renamed, compare, compare_with
 from wsgen.porting.existing.extensions import DIFF_DRIVE, Extensions, Wanted, extend
 from wsgen.porting.existing.fixes import (
     Fix,
-    Meshes,
-    Mirrored,
     fix,
     fixable,
     without_missing,
 )
+from wsgen.porting.existing.inertias import box_of, misplaced
 from wsgen.porting.existing.kept_xacro import FOLDER, KeptFiles, NotKeptError, keep_files
 from wsgen.porting.existing.launch_of_ros1 import Source as CatkinSource
+from wsgen.porting.existing.made_meshes import MadeMeshes
 from wsgen.porting.existing.reading import KINDS, read_robot, refuse
 from wsgen.porting.existing.resources import (
     CONFIG,
-    MESHES,
     find_references,
     place_files,
     rewrite,
@@ -77,7 +72,6 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.robot import Geometry, Robot
-    from wsgen.model.transform import Vector
     from wsgen.packages.workspace.layout import Workspace
     from wsgen.pipeline.create import CreatedPackage, NewPackage
     from wsgen.pipeline.prepare import PreparedRobot
@@ -92,7 +86,6 @@ TEMPLATE = "existing"
 MAIN, EXTENSIONS = "model/robot.xacro", "model/robot.gazebo"
 WORLD_FILE, BRIDGE_FILE = "model/empty_world.world", "config/bridge.yaml"
 RVIZ_FILE = "config/robot.rviz"
-_WORKER = "wsgen.descriptions.meshes.worker"
 _NOT_NEEDED = ("model/inertia.xacro",)  # of the files of other templates
 _CLEARANCE = 0.005  # m, under the robot when it is spawned
 _LICENSE = re.compile(r"<license[^>]*>([^<]+)</license>")
@@ -230,6 +223,8 @@ class _Making:
         prepared = self._prepare(text, laid)
         self._compare(self._located(_without_link(prepared.written, self.root), laid), written)
         self.unported += dict.fromkeys(self.ported.unported)
+        if not self.request.fixes:
+            self._offer(prepared)
         self._note_files()
         license_text = self._take_license()
         if license_text is not None:
@@ -294,58 +289,33 @@ class _Making:
             prepared, found = self._prepared(now, file, laid)
             return None if prepared is None else prepared.readable or prepared.written, found
 
-        fixed = fix(text, file, diagnose, self._meshes(laid))
+        # SDF has no limits where none are written: equal ones hold a joint, such as that of an IMU.
+        are_meant = self.source.kind == "sdf"
+        fixed = fix(text, file, diagnose, self._meshes(laid), are_ranges_meant=are_meant)
         self.fixes += fixed.fixes
         self.renamed = Renamed(fixed.links, fixed.joints)
         self.notes += fixed.refused
         return fixed.text
 
-    def _meshes(self, laid: Path) -> Meshes:
-        """What fixes ask of meshes, in a child process."""
+    def _offer(self, prepared: PreparedRobot) -> None:
+        """Note what `--fix` would do that no rule of a check tells."""
+        laid = self.scratch / "package" / self.spec.name
+        found = misplaced(prepared.readable or prepared.written, self._meshes(laid).measure)
+        self.notes += [
+            f"By its meshes, the inertia of `{one.link}` is that {one.where}: --fix moves it to the"
+            " center of mass."
+            for one in found
+        ]
 
-        def ask(task: str, *arguments: object) -> Any:
-            answer = run(f"{_WORKER}:{task}", *arguments, limits=LIMITS)
-            return None if isinstance(answer, Died) else answer.value
+    def _meshes(self, laid: Path) -> MadeMeshes:
+        """What measures and makes meshes; new ones become files of the package."""
 
-        def measure(requests: Sequence[tuple[str, Vector]]) -> list[Solid | None]:
-            found = ask("measure", list(requests))
-            return [None] * len(requests) if found is None else decode(found, list[Solid | None])
-
-        def add(target: Path, path: str, ending: str) -> str | None:
-            """The name of a new mesh, if it was written."""
-            if not target.is_file():
-                return None
-            name, number, content = f"{usable(Path(path).stem)}_{ending}", 1, target.read_bytes()
-            place = f"{MESHES}/{name}.stl"
-            while self.resources.files.get(place, content) != content:
-                number += 1
-                place = f"{MESHES}/{name}_{number}.stl"
+        def add(place: str, content: bytes) -> None:
             files = {**self.resources.files, place: content}
             self.resources = self.resources._replace(files=files)
             _lay_out({place: content}, laid)
-            return f"package://{self.spec.name}/{place}"
 
-        def mirror(requests: Sequence[Mirrored]) -> dict[Mirrored, str]:
-            targets = [self.scratch / f"mirrored-{number}.stl" for number, _ in enumerate(requests)]
-            ask(
-                "write_mirrored",
-                [(*one, str(to)) for one, to in zip(requests, targets, strict=True)],
-            )
-            names = {}
-            for one, target in zip(requests, targets, strict=True):
-                path, signs = one
-                axes = "".join(axis for axis, sign in zip("xyz", signs, strict=True) if sign < 0)
-                name = add(target, path, f"mirrored_{axes}")
-                if name is not None:
-                    names[one] = name
-            return names
-
-        def hull(path: str) -> str | None:
-            target = self.scratch / f"hull-{len(self.resources.files)}.stl"
-            ask("write_hull", path, str(target))
-            return add(target, path, "hull")
-
-        return Meshes(measure, mirror, hull)
+        return MadeMeshes(self.spec.name, lambda: self.resources.files, self.scratch, add)
 
     def _compare(self, package: Robot, written: str) -> None:
         """Compare the robots; what was fixed may differ."""
@@ -359,11 +329,17 @@ class _Making:
         touched = {name for one in self.fixes for name in one.names} | {*self.limited}
         self.rows = [
             row._replace(is_fixed=not row.is_same and touched.issuperset(row.differing))
-            for row in compare(source, package, renamed)
+            for row in self._rows(source, package, renamed)
         ]
         *others, poses = self.rows
         if not poses.is_same and any(row.is_fixed for row in others):  # of links behind joints
             self.rows = [*others, poses._replace(is_fixed=True)]
+
+    def _rows(self, source: Robot, package: Robot, renamed: Renamed) -> Iterable[ComparedRow]:
+        reference = self.description.reference
+        if reference is not None:
+            yield compare_with(reference, package, renamed)
+        yield from compare(source, package, renamed)
 
     def _extend(self, robot: Robot, written: str, laid: Path) -> None:
         """Choose what the simulator needs beside the robot."""
@@ -740,23 +716,9 @@ def _lowest(robot: Robot) -> float:
             down = rotation_of_rpy(pose.rpy)[2]
             heights += [
                 pose.z + sum(a * b for a, b in zip(down, corner, strict=True))
-                for corner in itertools.product(*_box_of(collision.geometry))
+                for corner in itertools.product(*box_of(collision.geometry))
             ]
     return min(heights)
-
-
-def _box_of(geometry: Geometry) -> Iterable[tuple[float, float]]:
-    """From where to where a shape reaches along each of its axes, m."""
-    if isinstance(geometry, Mesh) and geometry.bounds is not None:
-        low, high = geometry.bounds
-        return [(a * s, b * s) for a, b, s in zip(low, high, geometry.scale, strict=True)]
-    if isinstance(geometry, Box):
-        return [(-edge / 2, edge / 2) for edge in geometry.size]
-    if isinstance(geometry, Sphere | Cylinder | Capsule):
-        half = 0.0 if isinstance(geometry, Sphere) else geometry.length / 2
-        half += 0.0 if isinstance(geometry, Cylinder) else geometry.radius
-        return [(-geometry.radius, geometry.radius)] * 2 + [(-half, half)]
-    return [(0.0, 0.0)] * 3
 
 
 def _lay_out(tree: PackageTree, folder: Path) -> None:

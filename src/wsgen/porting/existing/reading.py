@@ -85,7 +85,8 @@ def read_robot(  # noqa: PLR0913  what is asked for, and where
         if missing and not fixes:
             raise not_found(missing, source)
         if not copy_outside:
-            refuse_outside(description.meshes, source)
+            included = {file.name: file for file in description.included}
+            refuse_outside({**included, **description.meshes}, source)
         return Read(source, description, missing)
     expanded = Expanded("", (), arguments)
     if source.kind == "xacro":

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.descriptions.sdf.assembly import CLOSED_CHAIN, JOINT_LEFT_OUT, is_cross
 from wsgen.descriptions.sdf.includes import MODEL_LEFT_OUT
-from wsgen.descriptions.sdf.joints import TWO_AXES, UNBOUNDED
+from wsgen.descriptions.sdf.joints import TWO_AXES
 from wsgen.descriptions.sdf.lookup import file_of_model, is_folder, model_finder
 from wsgen.descriptions.sdf.models import read_model
 from wsgen.descriptions.sdf.source import SIZE_LIMIT, line_of, read_document
@@ -18,7 +18,7 @@ from wsgen.descriptions.sdf.values import word
 from wsgen.diagnostics import Severity
 from wsgen.errors import NotFoundError, NotReadableError, RequestError
 from wsgen.isolation.parent import make_scratch
-from wsgen.model.robot import GAZEBO_COLORS, Joint, JointLimit, JointType, Link
+from wsgen.model.robot import GAZEBO_COLORS, Joint, JointType, Link
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.porting.existing.urdf_text import as_note, describe, free, pose_text
 from wsgen.porting.ported import Unported
@@ -92,7 +92,8 @@ def read_sdf_model(file: Path, *, environment: Mapping[str, str] | None = None) 
     model = next(iter(read.models), None)
     if model is None or model.robot is None or model.devices is None:
         raise _refusal(file, root, read.diagnostics)
-    return _Port(file, root, model, model.robot, model.devices).describe(read.diagnostics)
+    port = _Port(file, root, model, model.robot, model.devices)
+    return port.describe(read.diagnostics)._replace(included=tuple(sorted(read.included)))
 
 
 def _root_of(file: Path) -> xmltree.Element | None:
@@ -162,7 +163,7 @@ class _Port:
 
     def describe(self, found: Sequence[Diagnostic]) -> Description:
         """The robot as a URDF."""
-        robot = self._with_frames(replace(self.robot, joints=self._with_efforts()))
+        robot = self._with_frames(self.robot)
         notes = [
             *(self._note(one) for one in found if one.severity is not Severity.INFO),
             *self._notes(),
@@ -189,25 +190,6 @@ class _Port:
             links=tuple(replace(link, name=self.names[link.name]) for link in robot.links),
             joints=tuple(map(joint, robot.joints)),
             loose=tuple(replace(joint(one), type=JointType.FIXED) for one in robot.loose),
-        )
-
-    def _with_efforts(self) -> tuple[Joint, ...]:
-        """The joints, with the strength of those that turn endlessly: the reader has none."""
-        strengths = {}
-        for element in () if self.root is None else self.root.iter("joint"):
-            bounds = [
-                float(text) if text.replace(".", "", 1).isdecimal() else -1.0
-                for text in (word(element, "axis", "limit", tag) for tag in ("effort", "velocity"))
-            ]
-            if any(0 <= one < UNBOUNDED for one in bounds):
-                strengths[element.get("name") or ""] = JointLimit(
-                    effort=bounds[0], velocity=bounds[1]
-                )
-        return tuple(
-            replace(joint, limit=strengths.get(joint.name))
-            if joint.type is JointType.CONTINUOUS and joint.limit is None
-            else joint
-            for joint in self.robot.joints
         )
 
     def _with_frames(self, robot: Robot) -> Robot:

@@ -8,7 +8,9 @@ from __future__ import annotations
 import os
 import re
 import stat
+import struct
 import zipfile
+import zlib
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -208,9 +210,12 @@ def _robot_of(folder: Path, given: str, *, is_archive: bool) -> tuple[Path, str]
         return found[0]
     names = [file.relative_to(folder).as_posix() for file, _ in found[:_SHOWN]]
     if not found:
+        made = next((one for one in files_below(folder) if _MADE_OF.search(one.name)), None)
         raise NotFoundError(
             f"--from {given} has no robot: no URDF, xacro, SDF model or MJCF is in it.",
-            hint="Give the folder that has it, or the file itself.",
+            hint="Give the folder that has it, or the file itself."
+            if made is None
+            else f"{made.name} is a template: give the file that its project makes of it.",
         )
     more = f" and {len(found) - _SHOWN} more" if len(found) > _SHOWN else ""
     one = f"--from {given.rstrip('/')}/{names[0]}"
@@ -279,6 +284,7 @@ def _without_made(found: list[tuple[Path, str]]) -> list[tuple[Path, str]]:
     ]
 
 
+_MADE_OF = re.compile(r"\.(?:urdf|sdf|xacro|xml)\.(?:jinja2?|j2|erb|em|mako|in)$")
 _IN_MACRO = re.compile(rb"<xacro:macro\b.*?</xacro:macro\s*>", re.DOTALL)
 _CALL = re.compile(
     rb"<xacro:(?!include|property|arg|macro|if|unless|insert_block|element|attribute|call)[\w.-]+"
@@ -289,6 +295,13 @@ _CALL = re.compile(
 def _makes_links(data: bytes) -> bool:
     """Whether a xacro file has links, or calls a macro, outside of macros; and names its robot."""
     return bool(_CALL.search(_IN_MACRO.sub(b"", data)))
+
+
+# What `zipfile` raises on a damaged archive; that of LZMA is refused before.
+_DAMAGED = (
+    *(zipfile.BadZipFile, zlib.error, struct.error),
+    *(OSError, EOFError, ValueError, RuntimeError, OverflowError),
+)
 
 
 def _unpack(archive: Path, folder: Path) -> None:
@@ -311,9 +324,7 @@ def _unpack(archive: Path, folder: Path) -> None:
                 left -= _extract(packed, entry, place, min(left, _allowed(entry)))
     except FileExistsError as error:
         raise _refused(archive, f"{Path(str(error.filename)).name} is in it twice") from error
-    except NotReadableError:
-        raise
-    except Exception as error:
+    except _DAMAGED as error:
         raise _refused(archive, f"it cannot be unpacked ({error})") from error
 
 
@@ -344,6 +355,8 @@ def _check_entries(archive: Path, entries: Sequence[zipfile.ZipInfo]) -> None:
     for entry in entries:
         if entry.flag_bits & 1:
             raise _refused(archive, f"`{entry.filename}` has a password")
+        if entry.compress_type not in {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED}:
+            raise _refused(archive, f"`{entry.filename}` is not compressed as zips are (deflate)")
         if stat.S_ISLNK(entry.external_attr >> 16):
             raise _refused(archive, f"`{entry.filename}` is a link")
         parts = _parts(entry)
