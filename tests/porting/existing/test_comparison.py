@@ -39,7 +39,9 @@ def reference(robot: Robot, *, mass: float = 0.0, at: float = 0.0, turn: float =
             six = turned(about_link_axes(link.inertial), matrix)
             xx, xy, xz, yy, yz, zz = (turn * one / link.inertial.mass for one in six)
             inertias[link.name] = (xx, xy, xz, yy, yz, zz)
-    return Reference("Other", robot.mass + mass, (Configuration({"shoulder": 0.3}, centers, inertias),))
+    return Reference(
+        "Other", robot.mass + mass, (Configuration({"shoulder": 0.3}, centers, inertias),)
+    )
 
 
 @pytest.mark.parametrize("wrong", [{}, {"mass": 1e-5}, {"at": 1e-5}, {"turn": 1.00001}])

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 pytest.importorskip("mujoco")
 
 from porting.existing.mjcf_oracle import compare
+from wsgen.descriptions.meshes.worker import measure
 from wsgen.errors import NotFoundError, NotReadableError, RequestError, WsgenError
 from wsgen.isolation import parent
 from wsgen.isolation.result import Limits
@@ -203,6 +204,40 @@ def test_a_mesh_is_where_it_was(tmp_path: Path, mesh: str) -> None:
     )
     (found,) = description.meshes.values()
     assert isinstance(found, bytes) == (mesh in {"written", "moved and scaled"})
+
+
+def test_collisions_are_the_hulls_of_meshes(tmp_path: Path) -> None:
+    """As in MuJoCo; what is seen has the dent, and what is convex has its file."""
+    dented = WEDGE.replace("f 2 3 4", "v 0.2 0.4 0.6\nf 2 3 5\nf 3 4 5\nf 4 2 5")
+    (tmp_path / "dented.obj").write_text(dented)
+    (tmp_path / "wedge.obj").write_text(WEDGE)
+    description = same(
+        write(
+            tmp_path,
+            """<body name="a"><freejoint/>
+<geom type="mesh" mesh="dented" pos="1 2 3" euler="10 20 30"/>
+<geom type="mesh" mesh="wedge"/></body>""",
+            '<asset><mesh file="dented.obj" scale="1 2 1"/><mesh file="wedge.obj"/></asset>',
+        )
+    )
+    link = ET.fromstring(description.text).find("link")
+    assert link is not None
+    names = {
+        tag: [mesh.get("filename") for mesh in link.iterfind(f"{tag}/geometry/mesh")]
+        for tag in ("visual", "collision")
+    }
+    assert names == {
+        "visual": ["dented.obj", "wedge.obj"],
+        "collision": ["dented_hull.stl", "wedge.obj"],
+    }
+    hull = description.meshes["dented_hull.stl"]
+    assert isinstance(hull, bytes)
+    (tmp_path / "hull.stl").write_bytes(hull)
+    (solid,) = measure([(str(tmp_path / "hull.stl"), (1.0, 1.0, 1.0))])
+    assert solid is not None
+    assert solid.is_closed
+    assert solid.volume == pytest.approx(2.0, rel=1e-6)
+    assert said(description, "collides with the convex hulls of meshes") > 0
 
 
 def test_two_meshes_of_one_name_stay_two(tmp_path: Path) -> None:

@@ -104,6 +104,7 @@ class _Reader:
         self.joint_names: dict[int, str] = {}
         self.in_link: dict[int, Frame] = {0: EYE}  # the frames of bodies in those of their links
         self.meshes: dict[int, tuple[Mesh, Frame]] = {}
+        self.hulls: dict[int, Mesh] = {}
 
     # ---- what is read -------------------------------------------------------------------------
 
@@ -283,13 +284,12 @@ class _Reader:
                 visuals.append(Visual(geometry=geometry, pose_in_link=pose, rgba=rgba))
             if model.geom_contype[geom] or model.geom_conaffinity[geom]:
                 sliding = float(model.geom_friction[geom][0])
-                collisions.append(
-                    Collision(
-                        geometry=geometry,
-                        pose_in_link=pose,
-                        surface=Surface(mu1=sliding, mu2=sliding),
-                    )
-                )
+                hull = self._hull(geom)
+                if hull is not None:
+                    geometry = hull
+                    pose = _pose(offset @ _frame(model.geom_pos[geom], model.geom_quat[geom]))
+                surface = Surface(mu1=sliding, mu2=sliding)
+                collisions.append(Collision(geometry=geometry, pose_in_link=pose, surface=surface))
         return Link(
             name=name,
             inertial=inertial,
@@ -391,6 +391,25 @@ class _Reader:
         made = self.scratch / f"mesh_{mesh}.stl"
         write_stl(np.asarray(points, float)[faces], made)
         return Mesh(uri=name, path=str(made)), EYE
+
+    def _hull(self, geom: int) -> Mesh | None:
+        """The convex hull of a mesh, with which MuJoCo collides; None of what is convex itself."""
+        model, mesh = self.model, int(self.model.geom_dataid[geom])
+        if model.geom_type[geom] != mujoco.mjtGeom.mjGEOM_MESH or model.mesh_graphadr[mesh] < 0:
+            return None
+        graph = model.mesh_graph[model.mesh_graphadr[mesh] :]
+        corners, count = map(int, graph[:2])
+        if corners == model.mesh_vertnum[mesh]:
+            return None
+        if mesh not in self.hulls:
+            # Its faces come after two numbers of each corner, and one of each edge.
+            faces = graph[2 + 3 * (corners + count) :][: 3 * count].reshape(-1, 3)
+            points = _rows(model.mesh_vert, model.mesh_vertadr, model.mesh_vertnum, mesh)
+            made = self.scratch / f"hull_{mesh}.stl"
+            write_stl(np.asarray(points, float)[faces], made)
+            name = model.mesh(mesh).name or f"mesh_{mesh + 1}"
+            self.hulls[mesh] = Mesh(uri=f"{name}_hull", path=str(made))
+        return self.hulls[mesh]
 
     def _file_of_mesh(self, mesh: int) -> Path | None:
         """The file of a mesh, if others read the same from it."""
@@ -677,6 +696,12 @@ class _Reader:
                 "material",
                 "The textures of materials are not in the URDF, their colors are: @.",
                 "Use a mesh that brings its texture (.dae, .obj with .mtl).",
+            ),
+            (
+                [one for one in spec.meshes if one.id in self.hulls],
+                "mesh",
+                "MuJoCo collides with the convex hulls of meshes: they are the collisions of @.",
+                "No action is needed: what is seen are the meshes.",
             ),
             (
                 [*spec.flexes, *spec.skins],
