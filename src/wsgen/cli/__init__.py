@@ -39,6 +39,7 @@ GARBAGE_THRESHOLD = 100_000  # objects more than are freed, until the collector 
 # name -> one line of help; `wsgen.cli.NAME` holds the command as `command`.
 COMMANDS = {
     "new": "Create a package with a robot, and a workspace if none exists.",
+    "add": "Add a node, a message, a launch file and more to a package of anybody.",
     "templates": "List the templates and their variables, or check your own template.",
     "build": "Build the workspace with colcon and explain build errors.",
     "check": "Check packages and files without building or simulating them.",

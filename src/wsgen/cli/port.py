@@ -19,6 +19,10 @@ from wsgen.model.facts import WITHOUT_CLASSIC
 from wsgen.model.target import CLASSIC, SIM, SIMULATORS
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from pathlib import Path
+
+    from wsgen.checks.fixes.plan import FileFix
     from wsgen.model.target import Target
     from wsgen.pipeline.check import Targets
     from wsgen.porting.plan import PortPlan
@@ -94,7 +98,7 @@ def command(
     if (plan.files or plan.created) and not (diff or force):
         refuse_unsaved(package.path for package in targets.packages)
     if is_text and (diff or verbose):
-        _print_diff(plan)
+        print_created(plan.created, plan.files)
     for file in () if diff else write_port(plan):
         if not quiet:
             echo(f"Ported {short_name(file)}", err=True)
@@ -190,15 +194,16 @@ def _compared(proof: Proof, *, quiet: bool) -> list[str]:
     return [f"Before: {proof.before}", "", *lines, "", f"{verdict}{more}."]
 
 
-def _print_diff(plan: PortPlan) -> None:
+def print_created(created: Iterable[tuple[Path, str]], files: Iterable[FileFix]) -> None:
+    """Print what would be created and changed, as `git diff` does."""
     from wsgen.checks.fixes.plan import FileFix
     from wsgen.cli.check_output import print_diff
 
-    created = [
+    new = [
         FileFix(file=file, before="", after=text, data=text.encode(), fixed=())
-        for file, text in plan.created
+        for file, text in created
     ]
-    print_diff([*created, *plan.files])
+    print_diff([*new, *files])
 
 
 def _require_packages(targets: Targets) -> Targets:

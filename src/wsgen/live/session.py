@@ -136,6 +136,7 @@ class LiveSession:
         reported: Sequence[Diagnostic] = (),
         spawned: Sequence[Spawn] = (),
         observe: Callable[[LiveState], None] = lambda _state: None,
+        has_simulator: bool = True,
     ) -> None:
         self.reported = reported
         self.spawned = spawned
@@ -148,6 +149,7 @@ class LiveSession:
         self._service = service
         self._may_fail = frozenset(may_fail)
         self._observe = observe
+        self._has_simulator = has_simulator  # else time is that of the clock
         self._simulator: socket.socket | None = None
         self._rest = b""
         self._unanswered = 0  # requests
@@ -180,7 +182,8 @@ class LiveSession:
         Raises:
             SessionDiedError: A process has failed, or robots do not come.
         """
-        self._connect()
+        if self._has_simulator:
+            self._connect()
         end = self._begun + SECONDS_TO_START
         while missing := [one for one in self.entities if one not in self.state.entities]:
             begun = time.monotonic()
@@ -346,7 +349,17 @@ class LiveSession:
                 return
 
     def _ask(self, request: Mapping[str, object]) -> dict[str, Any]:
-        """What the simulator answers."""
+        """What the simulator answers; without one, the time of the clock."""
+        if not self._has_simulator:
+            passed = request.get("seconds", 0.0)
+            time.sleep(passed if isinstance(passed, float) else 0.0)
+            nothing: dict[str, Any] = {
+                "is_paused": False,
+                "entities": [],
+                "poses": {},
+                "joints": {},
+            }
+            return {**nothing, "seconds": self.wall_seconds, "passed": passed}
         assert self._simulator is not None  # noqa: S101  `start` has connected
         end = time.monotonic() + SECONDS_WITHOUT_ANSWER
         try:
@@ -512,7 +525,7 @@ def open_live(  # noqa: PLR0913  what is run, and how
                         environment, messages=messages, listener=hear
                     ),
                     show=reported.extend,
-                    check=partial(_check_simulated, selected, reported),
+                    check=partial(_check_simulated, selected, request.rate, reported),
                     listener=listener,
                 )
             )
@@ -531,6 +544,7 @@ def open_live(  # noqa: PLR0913  what is run, and how
             reported=reported,
             spawned=prepared.spawned,
             observe=observe,
+            has_simulator=prepared.has_simulator,
         )
         stack.callback(session.close)
         opened(session)
@@ -539,9 +553,14 @@ def open_live(  # noqa: PLR0913  what is run, and how
 
 
 def _check_simulated(
-    selected: SelectedLaunchFile, reported: Sequence[Diagnostic], prepared: Prepared
+    selected: SelectedLaunchFile,
+    rate: float | None,
+    reported: Sequence[Diagnostic],
+    prepared: Prepared,
 ) -> None:
     """Refuse a launch file without a robot, because of errors, or without simulated time.
+
+    As fast as the clock (a `rate` of 1), time passes without a simulator, too.
 
     Raises:
         BrokenRunError: What is reported says why.
@@ -550,11 +569,11 @@ def _check_simulated(
     robots = (*prepared.entities, *prepared.assumed)
     if has_errors(reported) and prepared.has_spawner and not robots:
         raise BrokenRunError
-    if not prepared.has_simulator:
+    if not prepared.has_simulator and rate != 1:
         raise RequestError(
             f"{selected.file.name} starts no simulator, so that no simulated time passes.",
             hint="Start Gazebo in it, as the launch files of `wsgen new` do, or run one "
-            "that includes both.",
+            "that includes both. For nodes alone, have time pass by the clock: rate=1.",
         )
 
 

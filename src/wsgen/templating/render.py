@@ -351,6 +351,14 @@ WORKFLOWS = {
 NEWEST_PYTHON = (3, 13)
 
 
+def render_source(source: str, **names: object) -> str:
+    """Render a source that belongs to no template, such as `wsgen:added/node.py.j2`."""
+    environment = Environment(Path())
+    text = environment.get_template(source).render(**names)
+    environment.keep_compiled()
+    return text
+
+
 def render_workflow(service: str, target: Target) -> RenderedTree:
     """Render the workflow of a service (a key of WORKFLOWS), by its path in the workspace.
 
@@ -360,9 +368,7 @@ def render_workflow(service: str, target: Target) -> RenderedTree:
     path, source = WORKFLOWS[service]
     python = tuple(int(part) for part in target.fact("python").split("."))
     versions = [".".join(map(str, version)) for version in sorted({python, NEWEST_PYTHON})]
-    environment = Environment(Path())
-    text = environment.get_template(source).render(
-        target=target, image=image(target), pythons=versions, wsgen_version=__version__
+    text = render_source(
+        source, target=target, image=image(target), pythons=versions, wsgen_version=__version__
     )
-    environment.keep_compiled()
     return {path: text}

@@ -60,17 +60,23 @@ def declare(
     for tag, name in dict.fromkeys(dependencies):
         if tag not in ORDER:
             continue
-        place, indent = _place_for(source, tag, root, top)
+        place, indent = _place_for(source, tag, name, root, top)
         edits.append(
             Edit(start=place, end=place, text=f"{source.newline}{indent}<{tag}>{name}</{tag}>")
         )
     return join_additions(edits)
 
 
-def _place_for(source: SourceText, name: str, root: Tag, top: Sequence[Tag]) -> tuple[int, str]:
+def _place_for(
+    source: SourceText, kind: str, name: str, root: Tag, top: Sequence[Tag]
+) -> tuple[int, str]:
     """Where an element goes, and its indent: behind the last of those that precede it."""
-    before = ORDER[: ORDER.index(name) + 1]
-    those = [tag for tag in top if tag.name == name] or [tag for tag in top if tag.name in before]
+    before = ORDER[: ORDER.index(kind) + 1]
+    those = [tag for tag in top if tag.name == kind]
+    names = [text_of(source, tag) for tag in those]
+    if len(names) > 1 and names == sorted(names) and names[0] < name:
+        those = [tag for tag, one in zip(those, names, strict=True) if one < name]
+    those = those or [tag for tag in top if tag.name in before]
     if not those:
         return root.start.end, "  "
     last = those[-1]
