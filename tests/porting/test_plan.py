@@ -600,3 +600,20 @@ def test_launch_files_that_start_nothing_are_not_evaluated(tmp_path: Path) -> No
     package = _written(tmp_path / "in_world", {**IN_A_WORLD, **launches})
     plan_port(find_targets([package]), JAZZY, {**os.environ, "TRIED": str(tried)})
     assert {*tried.read_text(encoding="utf-8").split()} == {"all"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("is_called", [True, False])
+def test_services_of_a_world_that_no_program_calls_need_no_edit(
+    tmp_path: Path, *, is_called: bool
+) -> None:
+    state = '<world name="default"><plugin name="s" filename="libgazebo_ros_state.so"/>'
+    files = {
+        **IN_A_WORLD,
+        "worlds/w.world": IN_A_WORLD["worlds/w.world"].replace('<world name="default">', state),
+    }
+    if is_called:
+        files["scripts/where.py"] = "topic = '/gazebo/model_states'\n"
+    found = plan(_written(tmp_path / "in_world", files)).unported
+    notes = [one.is_note for one in found if "libgazebo_ros_state" in one.what]
+    assert notes == [not is_called]

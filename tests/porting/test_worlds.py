@@ -357,6 +357,23 @@ def test_a_saved_state_moves_its_models() -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("name", "more", "is_note"),
+    [("m", "", False), ("m", "<static>1</static>", True), ("spawned", "", True)],
+)
+def test_a_saved_state_of_what_moved_is_left_to_the_author(
+    name: str, more: str, *, is_note: bool
+) -> None:
+    links = '<link name="a"/><link name="b"><pose>{} 0 0 0 0 0</pose></link>'
+    pose = "<pose>1 0 0 0 0 0</pose>"
+    model = f'<model name="m">{links.format(1)}{more}</model>'
+    saved = f'<model name="{name}">{pose}{links.format(5)}</model>'
+    other = f'<light name="l"/><state world_name="w">{saved}<light name="l">{pose}</light></state>'
+    source = SourceText(Path("/nowhere/w.world"), world(f"{model}{other}"))
+    found = port_world(source, JAZZY, frozenset()).unported
+    assert [one.is_note for one in found] == [is_note]
+
+
 def test_actors() -> None:
     text = (
         "    <actor name='a'>\n      <skin>\n        <filename>walk.dae</filename>\n      </skin>\n"

@@ -310,6 +310,7 @@ VARIABLES = {
 # Plugins of worlds of Gazebo Classic that are gone without a loss, and the others: what they did,
 # and what there is instead.
 OF_ANY_WORLD = ("gazebo_ros_init", "gazebo_ros_factory")
+OF_SERVICES = ("gazebo_ros_state", "gazebo_ros_properties", "gazebo_ros_force_system")
 OF_WORLDS = {
     "gazebo_ros_state": (
         "published the poses of all models and links, and set them by services",

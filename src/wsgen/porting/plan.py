@@ -93,6 +93,10 @@ _XML_COMMENT = re.compile(r"(?s)<!--.*?-->")
 _COMPUTED_INCLUDE = re.compile(r"<xacro:include\b[^>]*filename\s*=\s*[\"'][^\"']*\$[^\"'/]*[\"']")
 _HOOKS = (".sh", ".sh.in", ".dsv", ".dsv.in")
 _CODE = (".cpp", ".cc", ".cxx", ".c", ".hpp", ".hh", ".h")
+_OF_SERVICES = re.compile(
+    r"\bgazebo_msgs\b|\b(?:model|link)_states\b|\b[gs]et_(?:entity_state|model_|link_|light_|physics_|"
+    r"joint_)|\b(?:apply|clear)_(?:link|joint|body)_|get_world_properties"
+)
 _OF_CLASSIC = re.compile(
     r"#include\s*[<\"](?:gazebo/|ignition/math|gazebo_ros/|gazebo_plugins/)|\bgazebo_msgs\b"
 )
@@ -181,8 +185,9 @@ def plan_port(targets: Targets, target: Target, environment: Mapping[str, str]) 
         rows = launches.rows(target, robots, services, fixed)
         clocks = [name for port in ports for name in _clocks(port)]
         known = _Known(rows, fixed, systems, stampers, clocks, are_all=len(fixed) == len(any_rows))
+        are_called = any(map(_calls_classic, ports))
         for port in ports:
-            _port_worlds(port, target, systems, models)
+            _port_worlds(port, target, systems, models, are_called=are_called)
         _port_launch_files(ports, target, known)
         for port in ports:
             _list_code(port)
@@ -544,11 +549,25 @@ def _port_efforts(ports: Sequence[_Port], target: Target) -> None:
 
 
 def _port_worlds(
-    port: _Port, target: Target, systems: frozenset[str], models: Collection[str]
+    port: _Port,
+    target: Target,
+    systems: frozenset[str],
+    models: Collection[str],
+    *,
+    are_called: bool,
 ) -> None:
     for source in port.files(_OF_XML):
         if _SDF.search(source.text) and _WORLD.search(source.text):
-            port.add(source, port_world(source, target, systems, models=models))
+            made = port_world(source, target, systems, models=models, are_called=are_called)
+            port.add(source, made)
+
+
+def _calls_classic(port: _Port) -> bool:
+    """Whether a file of the package names services or topics of worlds of Gazebo Classic."""
+    return any(
+        _OF_SERVICES.search(source.text)
+        for source in port.files((*_CODE, ".py", *_OF_YAML, *_MARKUP, ".sh", ".rviz"))
+    )
 
 
 def _port_programs(port: _Port) -> None:

@@ -14,13 +14,14 @@ from typing import TYPE_CHECKING
 from wsgen.checks.fixes.source import SourceText, apply
 from wsgen.descriptions.sdf.lookup import gazebo_models
 from wsgen.gazebo.plain_models import PLAIN_MESHES, PLAIN_MODELS
-from wsgen.gazebo.plugins import OF_CLASSIC, stem
+from wsgen.gazebo.plugins import OF_CLASSIC, TRUE, stem
 from wsgen.gazebo.successors import (
     ACTOR,
     FUEL,
     IN_PLACE_OF_WORLDS,
     MESHES_OF_ACTORS,
     OF_ANY_WORLD,
+    OF_SERVICES,
     OF_WORLDS,
     ON_FUEL,
 )
@@ -97,6 +98,7 @@ def port_world(
     systems: frozenset[str],
     *,
     models: Collection[str] = (),
+    are_called: bool = True,
 ) -> FilePort:
     """Port the worlds of a file, but for what is in their models.
 
@@ -105,11 +107,12 @@ def port_world(
         target: The distribution, with Gazebo Sim.
         systems: The classes of the systems that the worlds must load beside the usual ones.
         models: The names of the models and packages of the workspace, which `model://` finds.
+        are_called: Whether a program may call the services of Gazebo Classic, or read its topics.
     """
     port = Porter(source, target)
     for node in port.nodes:
         if node.name == "world":
-            _port_world(port, node, systems)
+            _port_world(port, node, systems, are_called=are_called)
         elif node.name == "actor":
             _port_actor(port, node)
         elif node.name == "uri" and not node.is_in("script", "state"):
@@ -117,10 +120,10 @@ def port_world(
     return port.finish()
 
 
-def _port_world(port: Porter, world: Node, systems: Collection[str]) -> None:
+def _port_world(port: Porter, world: Node, systems: Collection[str], *, are_called: bool) -> None:
     needed = {*systems}
     for plugin in world.children("plugin"):
-        needed |= _port_plugin(port, plugin)
+        needed |= _port_plugin(port, plugin, are_called=are_called)
     _load(port, world, needed)
     for include in world.children("include"):
         name = include.value("uri").strip("/").removeprefix("model://")
@@ -170,7 +173,7 @@ def _system(name: str) -> Block:
     return Block("plugin", content, attributes)
 
 
-def _port_plugin(port: Porter, plugin: Node) -> set[str]:
+def _port_plugin(port: Porter, plugin: Node, *, are_called: bool) -> set[str]:
     """Port a plugin of a world, and return the systems that take its place."""
     filename = plugin.get("filename")
     name = stem(filename)
@@ -180,6 +183,8 @@ def _port_plugin(port: Porter, plugin: Node) -> set[str]:
         port.editor.remove(plugin)
         return set()
     _leave_plugin(port, plugin, name, "world", OF_WORLDS)
+    if name in OF_SERVICES and not are_called:
+        port.unported[-1] = port.unported[-1]._replace(is_note=True)
     return {IN_PLACE_OF_WORLDS[name]} if name in IN_PLACE_OF_WORLDS else set()
 
 
@@ -291,7 +296,14 @@ def _port_state(port: Porter, world: Node, state: Node) -> None:
             moved += 1
     port.editor.remove(state)
     models = {one.get("name"): one for one in world.children("model")}
-    has_joints = any(_is_bent(one, models.get(one.get("name"))) for one in state.children("model"))
+    included = [one.value("name") for one in world.children("include")]
+    # What a launch file had spawned is not in the world.
+    is_any = any(not one.value("name") for one in world.children("include"))
+    has_joints = any(
+        _is_bent(one, models.get(one.get("name")))
+        for one in state.children("model")
+        if is_any or any(name == one.get("name") for name in (*models, *included))
+    )
     if not (moved or has_joints):
         return
     port.leave(
@@ -310,6 +322,8 @@ def _is_bent(saved: Node, model: Node | None) -> bool:
     links = [*saved.children("link")]
     if len(links) < _LINKS_OF_A_JOINT or model is None:
         return len(links) >= _LINKS_OF_A_JOINT
+    if model.value("static") in TRUE:
+        return False
     own = {one.get("name"): one.find("pose") for one in model.children("link")}
     spinning = {one.value("child") for one in model.children("joint") if _is_endless(one)}
     base = _pose(saved.value("pose"))
