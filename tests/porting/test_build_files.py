@@ -309,3 +309,16 @@ fi
         apply(text, port.edits).count('    ament_prepend_unique_value GZ_SIM_RESOURCE_PATH "$') == 2
     )
     assert [one.line for one in port.unported] == [1, 4]
+
+
+def test_a_new_folder_is_installed_beside_one_that_is_not_there() -> None:
+    text = """\
+install(
+  DIRECTORY urdf world
+  DESTINATION share/${PROJECT_NAME}
+)
+ament_package()
+"""
+    source = SourceText(Path("/nowhere/CMakeLists.txt"), text)
+    after = apply(text, port_cmake(source, ["worlds"]).edits)
+    assert after == text.replace("urdf world", "urdf world worlds")

@@ -140,6 +140,47 @@ def test_what_gz_does_not_read_goes_from_a_command(words: str, expected: str | N
     assert re.search(rf"cmd=\[{expected},? *\]", after)
 
 
+@pytest.mark.parametrize(
+    ("file", "words", "expected", "listed"),
+    [
+        ("gazebo", ", 'world:={}'.format(w)", ", 'gz_args:=-r {}'.format(w)", 0),
+        ("gazebo", ", ['world:=', w], 'gui:=false'", ", ['gz_args:=-r -s ', w]", 0),
+        ("gzserver", ", f'world:={w}', 'pause:=true'", ", f'gz_args:=-s {w}'", 0),
+        ("gazebo", ", 'world:='", ", ['gz_args:=-r ', 'empty.sdf']", 0),
+        ("gazebo", "", ", ['gz_args:=-r ', 'empty.sdf']", 0),
+        ("gzclient", ", 'verbose:=true'", ", 'gz_args:=-g -v 4 '", 0),
+        ("gazebo", ", 'world:=a.world', 'profile:=x'", ", 'gz_args:=-r a.world'", 1),
+        ("gazebo", ", ['gui:=', g], ['world:=', w]", ", ['gz_args:=-r ', w]", 1),
+    ],
+)
+def test_a_launch_file_of_classic_that_a_command_launches(
+    file: str, words: str, expected: str, listed: int
+) -> None:
+    after, port = ported(
+        f"ld.add_action(ExecuteProcess(cmd=['ros2', 'launch', 'gazebo_ros', '{file}.launch.py'"
+        f"{words}]))\n"
+    )
+    assert f"cmd=['ros2', 'launch', 'ros_gz_sim', 'gz_sim.launch.py'{expected}]" in after
+    assert ("/clock@" in after) == (file != "gzclient")
+    assert len(port.unported) == listed
+
+
+def test_paths_that_no_action_uses_any_more() -> None:
+    after, port = ported(
+        """\
+        share = os.popen("ros2 pkg prefix gazebo_ros").read().strip()
+        file = os.path.join(share, "share", "gazebo_ros", "launch", "gazebo.launch.py")
+        demos = get_package_share_directory('gazebo_ros2_control_demos')
+        # IncludeLaunchDescription(PythonLaunchDescriptionSource(file))
+        SetEnvironmentVariable('GAZEBO_MASTER_URI', 'x')
+        """
+    )
+    assert '"ros2 pkg prefix ros_gz_sim"' in after
+    assert '"share", "ros_gz_sim", "launch", "gz_sim.launch.py"' in after
+    assert "'gz_ros2_control_demos'" in after
+    assert [one.is_note for one in port.unported] == [True]
+
+
 def test_the_world_that_a_launch_argument_names_by_default() -> None:
     text = """\
         DeclareLaunchArgument('map', default_value='')

@@ -354,7 +354,7 @@ def _installing(source: SourceText, commands: Sequence[Command], folder: str) ->
             last = words[-1]
             before = source.text[words[-2].end : last.start]
             return [Edit(start=last.end, end=last.end, text=f"{before}{folder}")]
-    return install_beside(source, folder)
+    return install_beside(source, folder, is_new=not (source.file.parent / folder).exists())
 
 
 def port_setup(source: SourceText, folders: Collection[str]) -> FilePort:

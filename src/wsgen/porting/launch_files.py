@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from wsgen.checks.fixes.source import SourceText
     from wsgen.porting.parameters import Stamper
     from wsgen.porting.ported import BridgeRow
-    from wsgen.porting.python_edits import Entry
+    from wsgen.porting.python_edits import Entry, Text
 
     Given = ast.expr | str  # the value of a launch argument; a text is Python of ours
 
@@ -83,6 +83,7 @@ ADVICE = {
 PROGRAMS_RENAMED = {("controller_manager", f"{name}.py"): name for name in ("spawner", "unspawner")}
 # What is given to the node of Gazebo Classic, as an argument of a launch file or of a command.
 _EXTRA = "extra-gazebo-args"
+_ROS2_LAUNCH = ("ros2", "launch")
 _OF_THE_NODE = (
     "Gazebo Sim is not a node of ROS: what that of Gazebo Classic was given is gone.",
     "Remove a file of parameters that nothing else reads.",
@@ -430,6 +431,8 @@ class _Port(PythonEdits):
             texts = [self.said(one) for one in words.elts]
             part = PARTS.get(texts[0] or "")
             self._lines(words.elts)
+            if part is None and self._is_launched(words.elts, texts):
+                yield call
             if part is None:
                 self._run_of_spawner(words.elts, texts)
                 continue
@@ -474,6 +477,58 @@ class _Port(PythonEdits):
             command += f", {self._default_world()}"
         self.replace(words[0], command)
         self.packages.add(PACKAGE)
+
+    def _is_launched(self, words: Sequence[ast.expr], texts: Sequence[str | None]) -> bool:
+        """Port `ros2 launch gazebo_ros gazebo.launch.py`; whether it starts a server."""
+        file = texts[3] if len(texts) > len(_ROS2_LAUNCH) + 1 else None
+        if tuple(texts[:2]) != _ROS2_LAUNCH or texts[2] != OLD_PACKAGE or file not in FILES:
+            return False
+        part = FILES[file]
+        self.replace(words[2], self.quoted(PACKAGE))
+        self.replace(words[3], self.quoted(LAUNCH_FILE))
+        self.packages.add(PACKAGE)
+        given: dict[str, tuple[ast.expr, Text]] = {}
+        for word in words[4:]:
+            first = next(self.texts(word, depth=0), None)
+            if first is not None and ":=" in first.text:
+                given[first.text.partition(":=")[0]] = word, first
+        options = "".join([part, *self._options_of(given, part)])
+        world = given.pop("world", None)
+        for word, _ in given.values():
+            self.remove(word, word)
+        if world is not None and (part == CLIENT or self.said(world[0]) == "world:="):
+            self.remove(world[0], world[0])
+            world = None
+        if world is not None:
+            self.rename(world[1], ("world:=", f"gz_args:={options}"))
+            return True
+        text = self.quoted(f"gz_args:={options}")
+        text = text if part == CLIENT else f"[{text}, {self._default_world()}]"
+        self.insert(self.tree.end(words[3]), f", {text}")
+        return part != CLIENT
+
+    def _options_of(self, given: Mapping[str, tuple[ast.expr, Text]], part: str) -> Iterator[str]:
+        """What `gz sim` has for the words that give launch arguments to gazebo_ros."""
+        for name, (on, off) in SWITCHES.items():
+            if (name == "gui" and part) or (name == "pause" and part == CLIENT):
+                continue
+            word, first = given.get(name, (None, None))
+            if word is None or first is None:
+                yield on if ON[name] else off
+            elif (said := self.said(word)) is not None:
+                yield on if said.partition(":=")[2].lower() in TRUE else off
+            else:
+                self.leave(
+                    word,
+                    f"Only a launch says what `{name}` of Gazebo Classic is.",
+                    "Write what it did into `gz_args`: `gz sim --help` has the options.",
+                )
+        for name in given.keys() - {"world", *SWITCHES, *ENDS, *WITHOUT_LOSS}:
+            self.leave(
+                given[name][0],
+                f"The launch argument `{name}` of Gazebo Classic is gone.",
+                "Write what it did into `gz_args`, if `gz sim --help` has it.",
+            )
 
     # The spawner
 
@@ -742,4 +797,5 @@ class _Port(PythonEdits):
                     node,
                     f"`{text}` is of Gazebo Classic.",
                     "Replace it by what Gazebo Sim has, or remove it.",
+                    is_note=text.startswith("GAZEBO_"),  # a variable that nothing reads any more
                 )

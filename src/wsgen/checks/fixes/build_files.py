@@ -457,8 +457,11 @@ def install_folder(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]
     return install_beside(source, named[1])
 
 
-def install_beside(source: SourceText, folder: str) -> list[Edit]:
-    """Install a folder of the package with those that the file installs already, or at its end."""
+def install_beside(source: SourceText, folder: str, *, is_new: bool = False) -> list[Edit]:
+    """Install a folder of the package with those that the file installs already, or at its end.
+
+    A misspelled name does not mean one that is new.
+    """
     for command in read_commands(source):
         words = _words(command)
         if command.name != "install" or words[:1] != ("DIRECTORY",) or OPTIONS & {*words}:
@@ -469,7 +472,7 @@ def install_beside(source: SourceText, folder: str) -> list[Edit]:
         plain = [word for word in words[1:place] if re.fullmatch(r"[\w./-]*[\w-]", word)]
         if len(plain) != place - 1 or not plain or not PLACE.fullmatch(words[-1]):
             continue
-        if any(
+        if not is_new and any(
             is_surely(word, folder) and not (source.file.parent / word).exists() for word in plain
         ):
             return []  # the folder is meant by a misspelled name, which has a fix of its own
