@@ -169,6 +169,7 @@ ODOMETRY_OF_WHEELS = {"odometry_frame": "frame_id", "robot_base_frame": "child_f
 # What Ackermann drives of Gazebo Sim are told, and find out in Gazebo Classic.
 MEASURED = ("wheel_separation", "kingpin_width", "wheel_base", "wheel_radius")
 
+ONLY_IN_ROS_1 = ("gazebo_ros_control",)  # with ROS 2, Gazebo Classic had not found it either
 # Plugins of Gazebo Classic without a counterpart: what they do, and what to do.
 WITHOUT_COUNTERPART = {
     "gazebo_ros_tricycle_drive": (

@@ -13,6 +13,7 @@ from wsgen.gazebo.successors import (
     MEASURED,
     ODOMETRY,
     ODOMETRY_OF_WHEELS,
+    ONLY_IN_ROS_1,
     WITHOUT_COUNTERPART,
 )
 from wsgen.gazebo.systems import CONTROL, is_of_gz, library_of
@@ -76,7 +77,8 @@ def port_plugin(port: Porter, node: Node) -> None:
         _OTHERS[plugin.stem](port, plugin)
     elif plugin.own_stem in WITHOUT_COUNTERPART:
         what, advice = WITHOUT_COUNTERPART[plugin.own_stem]
-        port.leave(node, f"`{plugin.filename}` {what}; Gazebo Sim does not load it.", advice)
+        text = f"`{plugin.filename}` {what}; Gazebo Sim does not load it."
+        port.leave(node, text, advice, is_note=plugin.own_stem in ONLY_IN_ROS_1)
         _take_out(port, node)
     elif simulator_of(plugin.filename) == CLASSIC or _is_library(node):
         port.leave(
