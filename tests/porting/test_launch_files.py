@@ -170,6 +170,7 @@ def test_paths_that_no_action_uses_any_more() -> None:
         """\
         share = os.popen("ros2 pkg prefix gazebo_ros").read().strip()
         file = os.path.join(share, "share", "gazebo_ros", "launch", "gazebo.launch.py")
+        own = PathJoinSubstitution([share_of_own, "launch", "gazebo.launch.py"])
         demos = get_package_share_directory('gazebo_ros2_control_demos')
         # IncludeLaunchDescription(PythonLaunchDescriptionSource(file))
         SetEnvironmentVariable('GAZEBO_MASTER_URI', 'x')
@@ -177,6 +178,7 @@ def test_paths_that_no_action_uses_any_more() -> None:
     )
     assert '"ros2 pkg prefix ros_gz_sim"' in after
     assert '"share", "ros_gz_sim", "launch", "gz_sim.launch.py"' in after
+    assert '[share_of_own, "launch", "gazebo.launch.py"]' in after
     assert "'gz_ros2_control_demos'" in after
     assert [one.is_note for one in port.unported] == [True]
 

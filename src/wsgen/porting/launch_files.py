@@ -759,9 +759,10 @@ class _Port(PythonEdits):
         for call in self.calls("join", "PathJoinSubstitution"):
             texts = [*self.texts(call)]
             names = [one.text.rpartition("/")[2] for one in texts]
-            if any(name in FILES for name in names):
-                for one, name in zip(texts, names, strict=True):
-                    if OLD_PACKAGE in re.split(r"[/\s]", one.text) or name in FILES:
+            words = [re.split(r"[/\s]", one.text) for one in texts]
+            if any(name in FILES for name in names) and any(OLD_PACKAGE in one for one in words):
+                for one, name, parts in zip(texts, names, words, strict=True):
+                    if OLD_PACKAGE in parts or name in FILES:
                         self.rename(one, (OLD_PACKAGE, PACKAGE), (name, FILES_NOW.get(name, name)))
 
     def _append_to_variables(self) -> None:
