@@ -412,6 +412,16 @@ def test_a_namespace_that_is_written_out_is_that_of_the_topics(space: str, topic
     assert not port.unported
 
 
+def test_frames_that_a_launch_file_writes_are_those_that_were_named() -> None:
+    text = "for tag in root.iter('frame_name'):\n    tag.text = 'a/scan'\n# gazebo\n"
+    source = SourceText(Path("robot.launch.py"), text)
+    context = Context(rows={}, package="p", distro="jazzy", frames={"imu_link"})
+    after = apply(text, port_launch_file(source, context).edits)
+    tags = "[one for one in root.iter('gz_frame_id') if one.text not in {'imu_link'}]"
+    assert after == text.replace("root.iter('frame_name')", tags)
+    assert port_launch_file(SourceText(source.file, after), context).edits == ()
+
+
 def test_frames_that_a_launch_file_writes_into_a_model() -> None:
     after, port = ported(
         """\

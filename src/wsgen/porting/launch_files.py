@@ -136,6 +136,7 @@ class Context(NamedTuple):
     clocks: Collection[str] = ()  # files that give the node of Gazebo Classic nothing but its clock
     stampers: Sequence[Stamper] = ()  # for the controllers that the launch file may start
     takers: Collection[WorldTaker] = ()
+    frames: Collection[str] = ()  # of sensors that named none, and do after the port
 
     def rows_at(self, lines: range) -> Sequence[BridgeRow] | None:
         """The topics of the robots of a spawner on these lines; None where they are not known."""
@@ -744,6 +745,12 @@ class _Port(PythonEdits):
                     f"The port has written <{new}> for <{name}>, which may be elsewhere.",
                     "Look it up where it is.",
                 )
+            elif name == "frame_name" and self.context.frames and name_of(call) != "find":
+                # It looks for those that are named.
+                found = self.written(call).replace(name, new)
+                own = sorted(one for one in self.context.frames if "$" not in one)
+                frames = ", ".join(map(self.quoted, own))
+                self.replace(call, f"[one for one in {found} if one.text not in {{{frames}}}]")
             else:
                 self.rename(text, (name, new))
         for text in self.texts(self.tree.module, depth=0):

@@ -184,7 +184,15 @@ def plan_port(targets: Targets, target: Target, environment: Mapping[str, str]) 
         services = joined(port.all() for port in ports).services
         rows = launches.rows(target, robots, services, fixed)
         clocks = [name for port in ports for name in _clocks(port)]
-        known = _Known(rows, fixed, systems, stampers, clocks, are_all=len(fixed) == len(any_rows))
+        known = _Known(
+            rows,
+            fixed,
+            systems,
+            stampers,
+            clocks,
+            are_all=len(fixed) == len(any_rows),
+            frames=joined(port.all() for port in ports).frames,
+        )
         are_called = any(map(_calls_classic, ports))
         for port in ports:
             _port_worlds(port, target, systems, models, are_called=are_called)
@@ -622,6 +630,7 @@ class _Known(NamedTuple):
     stampers: Sequence[Stamper]
     clocks: Sequence[str]  # see `Context`
     are_all: bool
+    frames: frozenset[str]
 
 
 def _port_launch_files(ports: Sequence[_Port], target: Target, known: _Known) -> None:
@@ -668,6 +677,7 @@ def _context(port: _Port, target: Target, known: _Known) -> Callable[[SourceText
         any_rows=known.any_rows,
         are_all=known.are_all,
         clocks=known.clocks,
+        frames=known.frames,
     )
 
 

@@ -49,6 +49,7 @@ class FilePort(NamedTuple):
     worlds: frozenset[str] = frozenset()  # the arguments of a launch file that are worlds
     efforts: tuple[Effort, ...] = ()
     services: frozenset[BridgeRow] = frozenset()  # of worlds, that programs call
+    frames: frozenset[str] = frozenset()  # of sensors that named none
 
 
 def joined(ports: Iterable[FilePort]) -> FilePort:
@@ -62,5 +63,6 @@ def joined(ports: Iterable[FilePort]) -> FilePort:
         files=frozenset().union(*(one.files for one in listed)),
         worlds=frozenset().union(*(one.worlds for one in listed)),
         services=frozenset().union(*(one.services for one in listed)),
+        frames=frozenset().union(*(one.frames for one in listed)),
         efforts=tuple(found for one in listed for found in one.efforts),
     )

@@ -91,6 +91,7 @@ class Porter:
         self.systems: set[str] = set()
         self.rows: list[BridgeRow] = []
         self.efforts: list[Effort] = []
+        self.frames: set[str] = set()
 
     def finish(self) -> FilePort:
         """What becomes of the file."""
@@ -100,6 +101,7 @@ class Porter:
             packages=frozenset(self.packages),
             systems=frozenset(self.systems),
             efforts=tuple(self.efforts),
+            frames=frozenset(self.frames),
         )
 
     def leave(self, node: Node, what: str, advice: str, *, is_note: bool = False) -> None:

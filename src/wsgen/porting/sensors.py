@@ -129,9 +129,11 @@ def _put_frame(port: Porter, sensor: Node, plugin: ClassicPlugin) -> None:
     """Name the frame of the messages, which is the link without a name."""
     if kind_of(sensor) == "contact" or any(map(sensor.find, FRAME_NAMES)):
         return
-    frame = plugin.value("frame_name") or carrier_of(port, sensor)
+    named = plugin.value("frame_name")
+    frame = named or carrier_of(port, sensor)
     if frame:
         port.editor.append(sensor, Block(port.target.frame_tag, frame))
+        port.frames |= set() if named else {frame}
 
 
 def _imu(port: Porter, sensor: Node, plugin: ClassicPlugin) -> None:
