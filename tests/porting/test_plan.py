@@ -617,3 +617,54 @@ def test_services_of_a_world_that_no_program_calls_need_no_edit(
     found = plan(_written(tmp_path / "in_world", files)).unported
     notes = [one.is_note for one in found if "libgazebo_ros_state" in one.what]
     assert notes == [not is_called]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("spaces", "expected"), [(["a"], "a"), (["a", "b"], None), ([""], ""), ([], "")]
+)
+def test_a_controller_manager_has_the_namespace_of_its_spawner(
+    tmp_path: Path, spaces: list[str], expected: str | None
+) -> None:
+    control = """<robot name="r">
+  <link name="base"/>
+  <ros2_control name="s" type="system">
+    <hardware><plugin>gazebo_ros2_control/GazeboSystem</plugin></hardware>
+  </ros2_control>
+  <gazebo>
+    <plugin name="c" filename="libgazebo_ros2_control.so">
+      <parameters>$(find in_world)/config/a.yaml</parameters>
+    </plugin>
+  </gazebo>
+</robot>
+"""
+    share = "get_package_share_directory('in_world')"
+    text = "xacro.process_file(os.path.join(share, 'urdf', 'r.urdf.xacro')).toxml()"
+    nodes = "".join(
+        f"        Node(package='gazebo_ros', executable='spawn_entity.py', arguments=["
+        f"'-entity', 'r{n}', '-topic', 'r{n}', '-robot_namespace', '{space}']),\n"
+        f"        Node(package='robot_state_publisher', executable='robot_state_publisher', "
+        f"parameters=[{{'robot_description': {text}}}], "
+        f"remappings=[('robot_description', 'r{n}')]),\n"
+        for n, space in enumerate(spaces)
+    )
+    launch = CHOSEN["launch/world.launch.py"].partition("def generate")[0] + (
+        f"import xacro\n\n\ndef generate_launch_description():\n    share = {share}\n"
+        f"    return LaunchDescription([\n{nodes}    ])\n"
+    )
+    files = {
+        "package.xml": IN_A_WORLD["package.xml"],
+        "config/a.yaml": "controller_manager:\n  ros__parameters: {}\n",
+        "urdf/r.urdf.xacro": control.replace(
+            '"r"', '"r" xmlns:xacro="http://www.ros.org/wiki/xacro"', 1
+        ),
+        "launch/all.launch.py": launch,
+    }
+    package = _written(tmp_path / "in_world", files)
+    planned = plan(package)
+    list(write_port(planned))
+    after = (package / "urdf" / "r.urdf.xacro").read_text(encoding="utf-8")
+    assert re.findall(r"<namespace>(.*)</namespace>", after) == ([expected] if expected else [])
+    listed = [one for one in planned.unported if "controller manager, too: a, b." in one.what]
+    assert len(listed) == (expected is None)
+    assert plan(package).files == ()

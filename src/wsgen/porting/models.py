@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.checks.fixes.source import SourceText
 from wsgen.descriptions.sdf.textures import image_in, read_script
+from wsgen.gazebo.plugins import stem
 from wsgen.gazebo.successors import SPECULARS, TEXTURED
 from wsgen.model.facts import ROS2_CONTROL_HARDWARE
 from wsgen.model.robot import GAZEBO_AMBIENTS, GAZEBO_COLORS
@@ -95,6 +96,13 @@ def plugins_of(text: str) -> Iterator[tuple[str, str]]:
     for node in read_nodes(SourceText(Path("robot"), text)) if "<plugin" in text else ():
         if node.name == "plugin" and node.get("filename"):
             yield node.get("name"), node.get("filename")
+
+
+def managers_of(text: str) -> Iterator[tuple[str, str]]:
+    """The names of the plugins of ros2_control of a robot, with the files of their parameters."""
+    for node in read_nodes(SourceText(Path("robot"), text)) if "<ros2_control" in text else ():
+        if node.name == "plugin" and stem(node.get("filename")) == "gazebo_ros2_control":
+            yield node.get("name"), node.value("parameters")
 
 
 def _port(

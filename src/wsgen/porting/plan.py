@@ -39,7 +39,14 @@ from wsgen.porting.build_files import port_cmake, port_hook, port_setup
 from wsgen.porting.launch_files import OF_WORLD, Context, WorldTaker, port_launch_file
 from wsgen.porting.launch_markup import port_markup
 from wsgen.porting.manifests import port_manifest
-from wsgen.porting.models import bridge_rows, find_followers, find_paints, plugins_of, port_model
+from wsgen.porting.models import (
+    bridge_rows,
+    find_followers,
+    find_paints,
+    managers_of,
+    plugins_of,
+    port_model,
+)
 from wsgen.porting.parameters import port_parameters
 from wsgen.porting.plugins import port_effort
 from wsgen.porting.ported import FilePort, Unported, joined
@@ -207,7 +214,6 @@ def plan_port(targets: Targets, target: Target, environment: Mapping[str, str]) 
     parts = _unused_parts(ports)
     left = (
         *map(_left_in_ros_1, of_ros_1),
-        *launches.controlled_in_namespaces(),
         *(one._replace(is_note=one.is_note or one.file in parts) for one in plan.unported),
     )
     return plan._replace(unported=left)
@@ -277,7 +283,13 @@ class _Launches:
         spaces = {
             one.description for ones in self._spawns.values() for one in ones if one.namespace
         }
+        managers: dict[tuple[str, str], set[str]] = defaultdict(set)
+        for ones in self._spawns.values():
+            for one in ones:
+                for manager in managers_of(one.description):
+                    managers[manager].add(one.namespace or "")
         return Robots(
+            managers=managers,
             mounted=frozenset(one for text in spawns for one in _mounted(text)),
             scoped=frozenset(
                 one
@@ -332,18 +344,6 @@ class _Launches:
             if launch_file in self._chosen and all(one.namespace is None for one in spawns):
                 found[launch_file][line] = _with_others(found[launch_file][line], fixed)
         return found
-
-    def controlled_in_namespaces(self) -> Iterator[Unported]:
-        """The spawners whose namespace is that of controllers, too."""
-        for (launch_file, line), spawns in self._spawns.items():
-            if any(one.namespace and "gazebo_ros2_control" in one.description for one in spawns):
-                yield Unported(
-                    Path(launch_file),
-                    line,
-                    "The namespace of the spawner was that of the controller manager, too.",
-                    "Write it into <ros><namespace> of the plugin gz_ros2_control-system, for "
-                    "example by an argument of xacro.",
-                )
 
 
 def _starting(targets: Targets) -> frozenset[str]:

@@ -588,6 +588,31 @@ def _control(port: Porter, plugin: ClassicPlugin) -> None:
         if known is not None and node.text.rpartition("/")[2] != known[0]:
             what = f"ros2_control for Gazebo Sim does not read <{node.name}>: `{node.text}`."
             port.leave(node, what, known[1])
+    _name_manager(port, plugin.node)
+
+
+def _name_manager(port: Porter, node: Node) -> None:
+    """Give the controller manager the namespace that the spawner gave it: `create` gives none."""
+    spaces = {
+        space
+        for (name, parameters), those in port.robots.managers.items()
+        if values_in(node.get("name"), name) is not None
+        and values_in(node.value("parameters"), parameters) is not None
+        for space in those
+    }
+    if len(spaces) > 1:
+        port.leave(
+            node,
+            "The namespace of the spawner was that of the controller manager, too: "
+            f"{', '.join(sorted(one or 'none' for one in spaces))}.",
+            "Write it into <ros><namespace> of the plugin, for example by an argument of xacro.",
+        )
+    elif space := "".join(spaces):
+        ros = node.find("ros")
+        if ros is None:
+            port.editor.append(node, Block("ros", [Block("namespace", space)]))
+        else:
+            port.editor.put(ros, "namespace", space)
 
 
 def _force_torque(port: Porter, plugin: ClassicPlugin) -> None:

@@ -16,7 +16,7 @@ from wsgen.porting.topics import Topics, absolute
 from wsgen.porting.xml_edits import COMPUTED, Editor, Node, read_nodes
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterator, Mapping, Sequence
 
     from wsgen.checks.fixes.source import SourceText
     from wsgen.model.target import Target
@@ -59,6 +59,8 @@ class Robots(NamedTuple):
     mounted: frozenset[Mounted] = frozenset()
     # Name and file name of the plugins of robots that spawners put into namespaces.
     scoped: frozenset[tuple[str, str]] = frozenset()
+    # The namespaces that spawners give to plugins of ros2_control, by their name and parameters.
+    managers: Mapping[tuple[str, str], Collection[str]] = MappingProxyType({})
     followers: Mapping[str, Follower] = MappingProxyType({})  # by joint, see `without_computed`
     paints: Mapping[str, list[Paint]] = MappingProxyType({})  # by name
     # What is in `MEASURED` (m) of cars of Gazebo Classic, by their <rear_right_joint>.
