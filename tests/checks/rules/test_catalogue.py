@@ -22,7 +22,7 @@ from wsgen.checks.rules.catalogue import (
 from wsgen.checks.rules.consequences import CONSEQUENCES
 from wsgen.diagnostics import Rule, Severity
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 SOURCE = ROOT / "src" / "wsgen"
 CODE = re.compile(rf"(?:{'|'.join(FAMILIES)})\d{{3}}")
 CAUSES = """

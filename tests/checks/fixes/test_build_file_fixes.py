@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from fixes.crafted import fixed
+from checks.fixes.crafted import fixed
 from wsgen.packages.build_files.cmake_checks import word_names
 
 if TYPE_CHECKING:

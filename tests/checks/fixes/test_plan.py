@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from fixes.crafted import fixed, report
+from checks.fixes.crafted import fixed, report
 from wsgen.checks.fixes.plan import FIXERS, plan_fixes, unified_diff, write_fixes
 from wsgen.checks.fixes.source import Edit, apply, is_surely, overlap
 from wsgen.checks.rules.catalogue import find_rule

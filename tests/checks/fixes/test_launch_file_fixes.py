@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from fixes.crafted import fixed
+from checks.fixes.crafted import fixed
 
 if TYPE_CHECKING:
     from pathlib import Path

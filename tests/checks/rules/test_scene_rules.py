@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rules.robot_runs import STANDS
+from checks.rules.robot_runs import STANDS
 from wsgen.checks.rules import runs as rules
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.engines import name_engines

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from rules.robot_runs import STANDS
+from checks.rules.robot_runs import STANDS
 from wsgen.checks.rules.check import check_robot
 from wsgen.checks.rules.check_run import check_run, passive_joints
 from wsgen.diagnostics import Severity
