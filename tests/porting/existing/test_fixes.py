@@ -362,6 +362,34 @@ def test_a_mass_that_gazebo_drops(tmp_path: Path, capsys: pytest.CaptureFixture[
     ]
 
 
+def test_too_many_numbers(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "cube.stl").write_bytes(cube_stl())
+    shape = (
+        '<collision><geometry><mesh filename="cube.stl" scale="2 2 2 1"/></geometry></collision>'
+    )
+    robot, said = fixed(robot_of(base=INERTIAL + shape), tmp_path, capsys)
+    (collision,) = robot.link("base").collisions
+    assert isinstance(collision.geometry, Mesh)
+    assert collision.geometry.scale == (2, 2, 2)
+    assert said["fixes"] == ['Took scale="2 2 2" for scale="2 2 2 1" in `base`.']
+
+
+def test_a_mesh_is_found_from_folders_above(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As PyBullet finds it, from the folder that has several robots."""
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "cube.stl").write_bytes(cube_stl())
+    (tmp_path / "car").mkdir()
+    shape = '<visual><geometry><mesh filename="parts/cube.stl"/></geometry></visual>'
+    text = robot_of(base=INERTIAL + BOX + shape)
+    assert new(text, tmp_path / "car") == 2
+    assert "--copy-outside" in capsys.readouterr().err
+    assert new(text, tmp_path / "car", "--copy-outside") == 0
+    package = tmp_path / "here" / "ws_gazebo" / "src" / "my_robot"
+    assert (package / "meshes" / "cube.stl").is_file()
+
+
 def test_a_mass_in_grams(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     inertial = '<inertial><mass value="60"/><inertia ixx="0.00065" iyy="0.0005" izz="0.00025" ixy="0" ixz="0" iyz="0"/></inertial>'
     robot, said = fixed(robot_of(base=inertial + BOX), tmp_path, capsys)

@@ -163,3 +163,20 @@ def test_a_template_of_a_model(
     assert new(model) == 4
     assert "boat.sdf.jinja is a template: give the file that its" in capsys.readouterr().err
     assert not package.exists()
+
+
+def test_a_body_without_mass(
+    package: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A fix gives it one; that the rest is what MuJoCo has is still shown."""
+    pytest.importorskip("mujoco")
+    file = tmp_path / "arm.xml"
+    file.write_text(
+        '<mujoco><worldbody><body name="frame"><site name="goal"/></body><body name="base">'
+        '<geom size="0.1"/><body name="tip"><joint range="0 1" limited="true"/>'
+        '<geom size="0.1" pos="0 0 1"/></body></body></worldbody></mujoco>'
+    )
+    assert new(file, "--fix") == 0
+    rows = [line.strip() for line in capsys.readouterr().out.splitlines()]
+    (row,) = [line for line in rows if line.startswith("masses and inertias")]
+    assert row.endswith("same")

@@ -177,13 +177,13 @@ class _Comparison:
         )
 
 
-def compare_with(reference: Reference, package: Robot, renamed: Renamed) -> ComparedRow:
+def compare_with(reference: Reference, robot: Robot, renamed: Renamed) -> ComparedRow:
     """Compare a robot with what another program has of it in random configurations."""
-    links = {one.name: one for one in package.links}
+    links = {one.name: one for one in robot.links}
     largest, differing = 0.0, dict[str, None]()
     for one in reference.configurations:
         placed = place_links(
-            package,
+            robot,
             {renamed.joints.get(name, name): value for name, value in one.positions.items()},
         )
         for name, center in one.centers.items():
@@ -201,9 +201,9 @@ def compare_with(reference: Reference, package: Robot, renamed: Renamed) -> Comp
             share = tuple(moment / inertial.mass for moment in inertia)
             if apart > TOLERANCE or not _is_close(one.inertias[name], share):
                 differing[name] = None
-    mass = sum(one.inertial.mass for one in package.links if one.inertial is not None)
+    mass = sum(one.inertial.mass for one in robot.links if one.inertial is not None)
     if abs(mass - reference.mass) > TOLERANCE * reference.mass:
-        differing[package.root] = None
+        differing[robot.root] = None
     return ComparedRow(
         f"masses and inertias in {len(reference.configurations)} random configurations",
         f"{reference.mass:.9g} kg ({reference.program})",

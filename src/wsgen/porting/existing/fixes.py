@@ -37,6 +37,7 @@ _WIDE = 3.14159  # rad or m to both sides, of a joint whose limits are equal
 _ROOTS = "several-roots"
 _UNUSABLE = re.compile(r"[^\w./-]+", re.ASCII)
 _SCALE = re.compile(r'scale="([^"]+)"')
+_TOO_MANY = re.compile(r'(\w+)="([^"]*)": it has (\d+) instead of (\d+) numbers')
 _LINK = re.compile(r"link\[@name='([^']*)'\]")
 _JOINT = re.compile(r"joint\[@name='([^']*)'\]")
 # Attributes that name a link or a joint; `name` does so in some elements.
@@ -149,7 +150,7 @@ class _Fixing:
         if special is not None and robot is not None:
             yield from special(self, found, robot)
         fixer = FIXERS.get(found.name)
-        if fixer is not None and special is None:
+        if fixer is not None and special in {None, _Fixing.numbers}:
             edits = tuple(fixer(found, SourceText(self.file, self.text)))
             if edits:
                 yield Fix(
@@ -331,6 +332,22 @@ class _Fixing:
                 (name,),
                 (_replacement(inertia, _inertia(six)),),
             )
+
+    def numbers(self, found: Diagnostic, _robot: Robot) -> Iterable[Fix]:
+        """The first numbers of an attribute that has too many, as other programs read it."""
+        problem = _TOO_MANY.match(found.message)
+        if problem is None or int(problem[3]) <= int(problem[4]):
+            return
+        name, text = problem[1], problem[2]
+        kept = " ".join(text.split()[: int(problem[4])])
+        for tag in self.tags:
+            if _attribute(tag, name) == text:
+                around = next((_name_of(one) for one in tag.path[1:2]), _name_of(tag))
+                yield Fix(
+                    f'Took {name}="{kept}" for {name}="{text}" in `{around}`.',
+                    (around,),
+                    (_set(tag, name, kept),),
+                )
 
     def scale(self, found: Diagnostic, _robot: Robot) -> Iterable[Fix]:
         """The scale that the diagnostic suggests, for a mesh that is not in meters."""
@@ -529,6 +546,7 @@ _SPECIAL: dict[str, _Special] = {
     "implausible-mesh-size": _Fixing.scale,
     "mirrored-collision-mesh": _Fixing.mirror,
     "implausible-mass": _Fixing.light,
+    "not-a-number": _Fixing.numbers,
     **dict.fromkeys(("no-range", "missing-limit", "zero-effort", "zero-velocity"), _Fixing.limit),
 }
 

@@ -68,7 +68,7 @@ from wsgen.text.files import read_regular_text
 from wsgen.text.markup import without_comments
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.robot import Geometry, Robot
@@ -320,26 +320,24 @@ class _Making:
     def _compare(self, package: Robot, written: str) -> None:
         """Compare the robots; what was fixed may differ."""
         source, renamed = self._with_meshes(self.description.text), self.renamed
+        reference, of_reference = self.description.reference, Renamed()
         if source is None:
             self.notes.append(
                 "The source cannot be read without its fixes: the robots are compared after them."
             )
             source, renamed = self._with_meshes(written), Renamed()
+            of_reference = self.renamed
         assert source is not None  # noqa: S101  else it was refused
         touched = {name for one in self.fixes for name in one.names} | {*self.limited}
         self.rows = [
             row._replace(is_fixed=not row.is_same and touched.issuperset(row.differing))
-            for row in self._rows(source, package, renamed)
+            for row in compare(source, package, renamed)
         ]
+        if reference is not None:  # the package may have other masses by fixes
+            self.rows.insert(0, compare_with(reference, source, of_reference))
         *others, poses = self.rows
         if not poses.is_same and any(row.is_fixed for row in others):  # of links behind joints
             self.rows = [*others, poses._replace(is_fixed=True)]
-
-    def _rows(self, source: Robot, package: Robot, renamed: Renamed) -> Iterable[ComparedRow]:
-        reference = self.description.reference
-        if reference is not None:
-            yield compare_with(reference, package, renamed)
-        yield from compare(source, package, renamed)
 
     def _extend(self, robot: Robot, written: str, laid: Path) -> None:
         """Choose what the simulator needs beside the robot."""

@@ -10,6 +10,7 @@ from urllib.parse import unquote
 
 from wsgen.checks.fixes.source import Edit, apply, read_tags
 from wsgen.descriptions.meshes.lookup import Missing, locate
+from wsgen.descriptions.sdf.lookup import is_file
 from wsgen.errors import NotFoundError, RequestError
 from wsgen.text.files import after_scheme
 from wsgen.text.markup import without_comments
@@ -24,6 +25,7 @@ MESHES = "meshes"  # the folder of the package
 CONFIG = "config"
 _NAMED = ("mesh", "texture")  # elements with the name of a file
 _ADDRESS = re.compile(r"(?:package|model|file)://[^\s\"'<>$]+")
+_ABOVE = 3  # folders from which a relative name is looked for
 _UNUSUAL = re.compile(r"[^A-Za-z0-9_.-]+")
 _LARGEST = 64 * 2**20  # bytes of a mesh in which names of other files are looked for
 # What names other files in a mesh, by its suffix.
@@ -88,11 +90,11 @@ def resolve(uri: str, source: Source) -> Path | None:
         share = source.share_of(package)
         path = None if share is None or not inside else share / inside
     else:
-        path = source.file.parent / (after_scheme(unquote(rest)) if separator else uri)
-    try:
-        return path if path is not None and path.is_file() else None
-    except (OSError, ValueError):  # a name that no file has
-        return None
+        name = after_scheme(unquote(rest)) if separator else uri
+        # PyBullet looks from a folder that a program names, often one of those above.
+        places = (folder / name for folder in source.file.parents[:_ABOVE])
+        path = next(filter(is_file, places), None)
+    return path if path is not None and is_file(path) else None
 
 
 def find_files(
