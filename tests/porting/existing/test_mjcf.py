@@ -567,6 +567,14 @@ BAD: dict[str, tuple[str, type[WsgenError], str]] = {
         NotReadableError,
         "",
     ),
+    "commas": (
+        (
+            '<mujoco>\n<worldbody><body><geom size="0.1"/>\n<site size="1, 1, 1"/></body>'
+            "</worldbody></mujoco>"
+        ),
+        NotReadableError,
+        "robot.xml:3: `1, 1, 1`",
+    ),
     "numbers": (
         '<mujoco><worldbody><body pos="nan 0 0"><geom size="1"/></body></worldbody></mujoco>',
         NotReadableError,

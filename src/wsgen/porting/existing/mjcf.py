@@ -6,6 +6,7 @@ before anything opens them.
 
 from __future__ import annotations
 
+import re
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -36,6 +37,9 @@ SIZE_LIMIT = 2**25  # bytes of one XML file; points of a mesh may be in it
 MOST_FILES = 500
 MARKS = (".git", "package.xml", "pyproject.toml", "setup.py")  # of the folder of a project
 MOST_ABOVE = 6  # folders in which these are looked for
+
+_BAD_FORMAT = re.compile(r"bad format in attribute '(\w+)'\W+Element '(\w+)'")
+_NUMBER = re.compile(r"[-+.\deE]+|[-+]?(?:inf|nan)", re.IGNORECASE)
 
 
 class Said(NamedTuple):
@@ -89,7 +93,7 @@ def read_mjcf(file: Path, *, folder: Path | None = None) -> Description:
         if isinstance(outcome.value, str):
             reason = " ".join(outcome.value.split()).removeprefix("Error: ").removesuffix(".")
             raise NotReadableError(
-                f"MuJoCo makes no robot of {file}: {reason}.",
+                f"MuJoCo makes no robot of {file}: {reason}.{_place_of(reason, sources)}",
                 hint="Correct it, and check it with: python3 -m mujoco.viewer --mjcf=FILE",
             )
         compiled = decode(outcome.value, Compiled)
@@ -173,6 +177,17 @@ def _read(path: Path, what: str) -> Element:
             )
         return lenient
     return root
+
+
+def _place_of(reason: str, sources: Mapping[Path, Element]) -> str:
+    """Where an attribute is not numbers, for which MuJoCo often has no line; "" if not found."""
+    named = _BAD_FORMAT.search(reason)
+    for path, root in sources.items() if named else ():
+        for element in root.iter(named[2] if named else ""):
+            written = element.get(named[1] if named else "") or ""
+            if not all(_NUMBER.fullmatch(word) for word in written.split()):
+                return f" See {path}:{line_of(element) or 1}: `{written[:60]}`."
+    return ""
 
 
 def _note(said: Said, file: Path, sources: Mapping[Path, Element]) -> Unported:
