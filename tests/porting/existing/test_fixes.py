@@ -232,7 +232,8 @@ def test_heavy_collision_meshes(
     assert names_of(base.collisions) == ["cube_hull.stl"]
     assert differing(said) == {"collisions": ["base"]}
     assert said["fixes"] == [
-        "Took the convex hull of `cube.stl` (12 triangles) for the collision of `base`."
+        "Took the convex hull of `cube.stl` (12 triangles) for the collision of `base`"
+        " (pip install 'wsgen[decompose]' finds its parts)."
     ]
 
 
@@ -242,6 +243,11 @@ def test_the_convex_parts_of_a_collision_mesh(
     """A corner of three bars: its hull is several times as large, its parts are not."""
     pytest.importorskip("coacd")
     text = heavy(tmp_path, monkeypatch)
+    assert new(text, tmp_path, "--dry-run") == 0
+    notes = json.loads(capsys.readouterr().out)["robot"]["notes"]
+    assert (
+        "The collision mesh `cube.stl` has 12 triangles: --fix takes convex parts of it." in notes
+    )
     bars = [
         np.frombuffer(
             cube_stl(0.1)[84:], np.dtype([("n", "<f4", 3), ("c", "<f4", (3, 3)), ("a", "<u2")])

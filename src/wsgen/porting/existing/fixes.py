@@ -406,12 +406,7 @@ class _Fixing:
 
     def _heavy(self, robot: Robot) -> Iterable[Fix]:
         """Convex bodies in place of collision meshes with very many triangles."""
-        heavy = {
-            one.geometry.uri: one.geometry
-            for link in robot.links
-            for one in link.collisions
-            if isinstance(one.geometry, Mesh) and (one.geometry.triangles or 0) > HEAVY
-        }
+        heavy = heavy_collisions(robot)
         for tag in self.tags:
             uri = _attribute(tag, "filename")
             collision = next((one for one in tag.path if one.name == "collision"), None)
@@ -430,9 +425,10 @@ class _Fixing:
                 )
                 continue
             taken = f"{len(parts)} convex parts" if len(parts) > 1 else "the convex hull"
+            hint = f" ({NEEDS_EXTRA} finds its parts)" if parts[0].endswith("_hull.stl") else ""
             whole = next(one for one in self.tags if collision and one.start == collision.start)
             yield Fix(
-                f"Took {taken} of {what} for the collision of `{_link_of(tag)}`.",
+                f"Took {taken} of {what} for the collision of `{_link_of(tag)}`{hint}.",
                 (_link_of(tag),),
                 (_replacement(whole, "\n    ".join(self._copies(whole, tag, parts))),),
             )
@@ -623,6 +619,16 @@ def _set(tag: Tag, name: str, value: str) -> Edit:
         return Edit(start=found.value.start, end=found.value.end, text=value)
     place = tag.start.start + 1 + len(tag.name)
     return Edit(start=place, end=place, text=f' {name}="{value}"')
+
+
+def heavy_collisions(robot: Robot) -> dict[str, Mesh]:
+    """The meshes of collisions with very many triangles, by their names."""
+    return {
+        one.geometry.uri: one.geometry
+        for link in robot.links
+        for one in link.collisions
+        if isinstance(one.geometry, Mesh) and (one.geometry.triangles or 0) > HEAVY
+    }
 
 
 def fixable(found: Iterable[Diagnostic]) -> list[str]:

@@ -44,6 +44,7 @@ from wsgen.porting.existing.fixes import (
     Fix,
     fix,
     fixable,
+    heavy_collisions,
     without_missing,
 )
 from wsgen.porting.existing.inertias import box_of, misplaced
@@ -300,11 +301,16 @@ class _Making:
     def _offer(self, prepared: PreparedRobot) -> None:
         """Note what `--fix` would do that no rule of a check tells."""
         laid = self.scratch / "package" / self.spec.name
-        found = misplaced(prepared.readable or prepared.written, self._meshes(laid).measure)
+        robot = prepared.readable or prepared.written
         self.notes += [
             f"By its meshes, the inertia of `{one.link}` is that {one.where}: --fix moves it to the"
             " center of mass."
-            for one in found
+            for one in misplaced(robot, self._meshes(laid).measure)
+        ]
+        self.notes += [
+            f"The collision mesh `{uri.rpartition('/')[2]}` has {mesh.triangles:,} triangles: --fix"
+            " takes convex parts of it."
+            for uri, mesh in heavy_collisions(robot).items()
         ]
 
     def _meshes(self, laid: Path) -> MadeMeshes:
