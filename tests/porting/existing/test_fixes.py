@@ -232,8 +232,7 @@ def test_heavy_collision_meshes(
     assert names_of(base.collisions) == ["cube_hull.stl"]
     assert differing(said) == {"collisions": ["base"]}
     assert said["fixes"] == [
-        "Took the convex hull of `cube.stl` (12 triangles) for the collision of `base`"
-        " (pip install 'wsgen[decompose]' finds its parts)."
+        "Took the convex hull of `cube.stl` (12 triangles) for the collision of `base` (pip install 'wsgen[decompose]' finds its parts)."
     ]
 
 
