@@ -425,10 +425,10 @@ class _Fixing:
                 )
                 continue
             taken = f"{len(parts)} convex parts" if len(parts) > 1 else "the convex hull"
-            hint = f" ({NEEDS_EXTRA} finds its parts)" if parts[0].endswith("_hull.stl") else ""
+            other = f" ({NEEDS_EXTRA} finds its parts)" if parts[0].endswith("_hull.stl") else ""
             whole = next(one for one in self.tags if collision and one.start == collision.start)
             yield Fix(
-                f"Took {taken} of {what} for the collision of `{_link_of(tag)}`{hint}.",
+                f"Took {taken} of {what} for the collision of `{_link_of(tag)}`{other}.",
                 (_link_of(tag),),
                 (_replacement(whole, "\n    ".join(self._copies(whole, tag, parts))),),
             )
