@@ -2,6 +2,7 @@
 
 # ruff: noqa: E501  elements as people write them
 
+import json
 import math
 import re
 from pathlib import Path
@@ -222,6 +223,54 @@ def test_an_arm_is_controlled(  # noqa: PLR0917  two tables
     )
     needed = "gazebo_ros2_control" if simulator == "classic" else "gz_ros2_control"
     assert f"<exec_depend>{needed}<" in (package / "package.xml").read_text()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("distro", "simulator"), TARGETS)
+def test_controllers_of_ros_control_keep_their_names(
+    distro: str,
+    simulator: str,
+    here: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    source = write_arm(tmp_path).parents[1]
+    for name, text in {
+        "config/control.yaml": "arm:\n  states: {type: joint_state_controller/JointStateController}\n"
+        "  lift: {type: effort_controllers/JointPositionController, joint: shoulder, pid: {p: 1}}\n"
+        "  push: {type: effort_controllers/JointEffortController, joint: shoulder}\n",
+        "launch/control.launch": """<launch>
+          <rosparam file="$(find arm_description)/config/control.yaml"/>
+          <node pkg="controller_manager" type="spawner" name="s" ns="/arm" args="lift states"/>
+          <node pkg="robot_state_publisher" type="robot_state_publisher" name="p">
+            <remap from="/joint_states" to="/arm/joint_states"/>
+          </node>
+        </launch>""",
+    }.items():
+        (source / name).parent.mkdir()
+        (source / name).write_text(text)
+    target = ["--distro", distro, "--sim", simulator]
+    assert new(source, *target, "--control", "position", "--bolted") == 0
+    error = capsys.readouterr().err
+    assert "control.yaml:3: The gains of `lift` are not used" in error
+    assert "control.launch" not in error.replace("control.launch.py", "")
+    package = here / "ws_gazebo" / "src" / "my_robot"
+    settings = yaml.safe_load((package / "config" / "controllers.yaml").read_text())
+    assert {*settings} == {"controller_manager", "lift", "push"}
+    assert not (package / "config" / "control.yaml").exists()
+    text = (package / "model" / "robot.gazebo").read_text()
+    for interface in ("position", "effort"):
+        assert f'<command_interface name="{interface}"/>' in text
+    assert "arguments=['lift']" in (package / "launch" / "gazebo_model.launch.py").read_text()
+    assert run(["check", "ws_gazebo"]) == 0
+    assert "error[" not in capsys.readouterr().out
+    file = package / "launch" / "control.launch.py"
+    assert run(["launch", str(file), "--format", "json"]) == 0
+    spawner, publisher = json.loads(capsys.readouterr().out)["processes"]
+    assert spawner["arguments"] == [
+        *("lift", "joint_state_broadcaster", "--controller-manager", "/controller_manager")
+    ]
+    assert not publisher.get("remappings")
 
 
 @pytest.mark.slow

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+import textwrap
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.errors import RequestError
 from wsgen.gazebo.bridged_types import PAIRS
@@ -32,6 +33,17 @@ class Controller(NamedTuple):
     name: str
     type: str
     interface: str
+    joints: tuple[str, ...] = ()
+    parameters: Mapping[str, Any] = {}
+    is_started: bool = True  # with the robot
+
+    @property
+    def text(self) -> str:
+        """Its parameters, as YAML below two keys."""
+        import yaml  # noqa: PLC0415  20 ms that only robots with controllers pay
+
+        written = yaml.safe_dump(dict(self.parameters), sort_keys=False, allow_unicode=True)
+        return textwrap.indent(written, "    ").rstrip()
 
 
 CONTROLLERS = {
@@ -69,6 +81,7 @@ class Driven(NamedTuple):
     """A joint that a controller may move."""
 
     name: str
+    interfaces: tuple[str, ...]  # what controllers command; none of a joint that follows another
     start: float  # rad or m: 0, or the limit that is next to it
     mimic: str | None  # the joint that it follows
     multiplier: float
@@ -89,7 +102,7 @@ class Drive(NamedTuple):
 class Extensions(NamedTuple):
     """What the templates write beside the robot."""
 
-    controller: Controller | None = None
+    controllers: tuple[Controller, ...] = ()
     driven: tuple[Driven, ...] = ()
     published: tuple[str, ...] = ()  # joints whose states a plugin publishes
     drive: Drive | None = None
@@ -101,7 +114,7 @@ class Extensions(NamedTuple):
     @property
     def is_empty(self) -> bool:
         """Whether there is nothing to write."""
-        return not (self.controller or self.published or self.drive or self.sensors)
+        return not (self.controllers or self.published or self.drive or self.sensors)
 
 
 class Wanted(NamedTuple):
@@ -112,7 +125,14 @@ class Wanted(NamedTuple):
     sensors: tuple[str, ...] = ()  # KIND:LINK
 
 
-def extend(robot: Robot, lumped: Robot, wanted: Wanted, target: Target, name: str) -> Extensions:
+def extend(  # noqa: PLR0913, PLR0917  the robot, and what there is for it
+    robot: Robot,
+    lumped: Robot,
+    wanted: Wanted,
+    target: Target,
+    name: str,
+    known: Sequence[Controller] = (),
+) -> Extensions:
     """Choose what a robot needs in a simulator.
 
     Args:
@@ -121,18 +141,20 @@ def extend(robot: Robot, lumped: Robot, wanted: Wanted, target: Target, name: st
         wanted: What is asked for.
         target: The simulator.
         name: Of the package, and of the robot in the simulator.
+        known: Controllers that the source has; the others joints get one more.
 
     Raises:
         RequestError: A joint or link does not exist, or cannot be what it is to be.
     """
     sensors = _sensors(robot, wanted.sensors)
     joints = [one for one in robot.joints if one.type in _DRIVEN]
-    controller = CONTROLLERS.get(wanted.control)
+    controllers = tuple[Controller, ...]()
     has_own = _publishes_joint_states(robot)
-    if controller is not None:
+    if wanted.control in CONTROLLERS:
         _refuse_control(robot, wanted.control, joints)
+        controllers = (*known, *_of_others(joints, known, wanted.control))
     drive = _drive(robot, lumped, wanted)
-    published = () if controller or has_own else tuple(one.name for one in joints)
+    published = () if controllers or has_own else tuple(one.name for one in joints)
     rows = [*_rows_of_sensors(sensors, name)]
     if published:
         rows.append(_row(f"/model/{name}/joint_state", "Model", "[", "/joint_states"))
@@ -146,8 +168,8 @@ def extend(robot: Robot, lumped: Robot, wanted: Wanted, target: Target, name: st
         ]
     is_classic = target.simulator == CLASSIC
     return Extensions(
-        controller=controller,
-        driven=tuple(map(_driven, joints)) if controller else (),
+        controllers=controllers,
+        driven=tuple(_driven(one, controllers) for one in joints) if controllers else (),
         published=published,
         drive=drive,
         sensors=sensors,
@@ -192,13 +214,32 @@ def _refuse_control(robot: Robot, control: str, joints: Sequence[Joint]) -> None
         )
 
 
-def _driven(joint: Joint) -> Driven:
+def _of_others(
+    joints: Sequence[Joint], known: Sequence[Controller], control: str
+) -> Iterable[Controller]:
+    """A controller for the joints that no other one commands."""
+    taken = {name for one in known for name in one.joints}
+    left = [one.name for one in joints if one.mimic is None and one.name not in taken]
+    if not left and known:
+        return
+    one, names = CONTROLLERS[control], {one.name for one in known}
+    name = f"{one.name}_of_others" if one.name in names else one.name
+    parameters: dict[str, Any] = {"joints": left}
+    if control == "position":
+        parameters["command_interfaces"] = ["position"]
+        parameters["state_interfaces"] = ["position", "velocity"]
+    yield one._replace(name=name, joints=tuple(left), parameters=parameters)
+
+
+def _driven(joint: Joint, controllers: Iterable[Controller]) -> Driven:
     start = 0.0
     if joint.starts_beyond_limit and joint.limit is not None:
         start = min(max(0.0, joint.limit.lower), joint.limit.upper)
     mimic = joint.mimic
+    commands = [one.interface for one in controllers if joint.name in one.joints]
     return Driven(
         joint.name,
+        tuple(sorted({*commands})),
         start,
         mimic.joint if mimic else None,
         mimic.multiplier if mimic else 1.0,
@@ -264,21 +305,20 @@ def _drive(robot: Robot, lumped: Robot, wanted: Wanted) -> Drive | None:
         if joint is None or joint.type not in {JointType.CONTINUOUS, JointType.REVOLUTE}:
             problem = "is not a joint that turns" if joint else "does not exist"
             raise RequestError(f"--wheel: the joint `{name}` {problem}.", hint=_candidates(likely))
-    return _measured(robot, joints, by_side["left"], by_side["right"])
+    return measure_drive(robot, by_side["left"], by_side["right"])
 
 
 def _candidates(names: Sequence[str]) -> str:
     return f"Choose among {_some(names)}." if names else "Omit --control: no joint turns endlessly."
 
 
-def _measured(
-    robot: Robot, joints: Mapping[str, Joint], left: Sequence[str], right: Sequence[str]
-) -> Drive:
+def measure_drive(robot: Robot, left: Sequence[str], right: Sequence[str]) -> Drive:
     """Where the wheels are, how large, and where they drive.
 
     Raises:
         RequestError: Their axes differ, or point to the wrong side.
     """
+    joints = {one.name: one for one in robot.joints}
     placed = place_links(robot, {})
     axes = {}
     for name in (*left, *right):

@@ -19,6 +19,7 @@ from wsgen.launching.spawner_options import POSE
 from wsgen.model.facts import PROGRAMS as OF_SIMULATORS
 from wsgen.model.target import SIM
 from wsgen.porting.bridges import BRIDGE, BRIDGE_PACKAGE, CLOCK
+from wsgen.porting.existing.controllers_of_ros1 import MANAGER, spawned
 from wsgen.porting.existing.launch_values import (
     Item,
     Tree,
@@ -97,7 +98,8 @@ class Source(NamedTuple):
     siblings: Mapping[str, Path] = {}  # other packages of ROS 1 that are ported, too: their folders
     default_world: str | None = None  # file of the package; None: Gazebo's own
     bridge: str | None = None  # file of the package with what is bridged; None: only the clock
-    controllers: frozenset[str] = frozenset()  # of ros2_control, that the package has
+    controllers: Mapping[str, str] = {}  # that the package has now: name in ROS 1 -> in ROS 2
+    controllers_file: str = ""  # file of the package with them
     moved: Mapping[str, str] = {}  # files of the package that are elsewhere now, by path
     robot: str = ""  # file of the package with the robot
     model: str = ""  # file of xacro that has it now, with what the simulator needs besides
@@ -614,6 +616,11 @@ class _Port:
     def _rosparam(self, element: Element, given: Given) -> list[_Action]:
         """Parameters that a file or text outside of nodes sets."""
         self._refuse_command(given)
+        found = _FIND.fullmatch(given.get("file", "").strip())
+        if found is not None and found[1] == self.source.old:
+            place = self.source.moved.get(found[2])
+            if place is not None and place == self.source.controllers_file:
+                return []  # the simulator reads it
         if "file" not in given:
             return self._set(self._inline(element, given), given)
         names = {one.get("name", "") for one in self.root.iter("node")} - {""}
@@ -920,7 +927,7 @@ class _Port:
             keywords["remappings"] = listed(rules)
         if shows is not None:
             return self._sliders(shows, keywords)
-        if package in {"gazebo_ros", "controller_manager", "rostopic"}:
+        if package in {"gazebo_ros", MANAGER, "rostopic"}:
             return self._special(element, words, keywords)
         if program == "static_transform_publisher":
             words = transform_arguments(words, is_of_tf=package == "tf")
@@ -934,7 +941,7 @@ class _Port:
         package, program = given["pkg"].strip(), given["type"].strip()
         if package == "rostopic":
             return [self._topic(words, given)]
-        if package == "controller_manager":
+        if package == MANAGER:
             return self._controllers(words, keywords)
         if program in {"gzclient", *ros1.GAZEBO_PROGRAMS}:
             return self._gazebo_program(element, program, words)
@@ -1061,6 +1068,8 @@ class _Port:
             found.pairs.append((dotted(given.get("name", "")), self._value(given)))
         elif element.tag == "remap":
             ends = (given.get("from", ""), given.get("to", ""))
+            if self._is_of_manager(ends[1]):
+                return
             found.rules.append((self.values.text(ends[0]), self.values.text(ends[1])))
         elif element.tag == "rosparam":
             self._refuse_command(given)
@@ -1069,6 +1078,13 @@ class _Port:
             else:
                 inline = self._inline(element, given)
                 found.pairs.extend((dotted(name), code) for name, code in inline)
+
+    def _is_of_manager(self, topic: str) -> bool:
+        """Whether a topic is that of the positions of joints, which has no namespace now."""
+        managers = (one for one in self.root.iter("node") if one.get("pkg") == MANAGER)
+        return topic.strip("/") in {
+            f"{one.get('ns', '').strip('/')}/joint_states" for one in managers
+        }
 
     def _chosen(self, both: list[Element]) -> Code:
         """The value of a parameter that is one under a condition, and else another."""
@@ -1157,25 +1173,26 @@ class _Port:
 
     def _controllers(self, words: list[str], keywords: dict[str, Code]) -> list[_Action]:
         """The spawner, for those controllers that the package has."""
-        before = ["", *words]
-        names = [
-            one.rpartition("/")[2].replace("joint_state_controller", "joint_state_broadcaster")
-            for one, option in zip(words, before, strict=False)
-            if one[:1] != "-" and option not in {"--timeout", "--namespace", "--wait-for"}
-        ]
-        known = [one for one in names if one in self.source.controllers]
-        unknown = [one for one in names if one not in {"spawn", "load", *known}]
+        names = spawned(words)
+        unknown = [one for one in names if one not in self.source.controllers]
         if unknown:
             self._leave_argument(
                 f"The controllers {', '.join(unknown)} are of ros_control.",
-                "Describe the joints in <ros2_control>, and the controllers in a file for "
+                f"{self.source.controllers_file} has those that ros2_control has, too."
+                if self.source.controllers_file
+                else "Describe the joints in <ros2_control>, and the controllers in a file for "
                 "controller_manager; --control writes both.",
             )
+        known = [self.source.controllers[one] for one in names if one in self.source.controllers]
         if not known:
             return []
-        self.packages.add("controller_manager")
-        keywords["arguments"] = listed(map(repr, known))
-        return [_Action(self._node_call("controller_manager", "spawner", keywords), "spawner")]
+        self.packages.add(MANAGER)
+        inactive = ["--inactive"] if "--stopped" in words else []
+        # The manager has no namespace, whatever that of the spawner is.
+        manager = ["--controller-manager", "/controller_manager"]
+        keywords.pop("namespace", None)
+        keywords["arguments"] = listed(map(repr, [*dict.fromkeys(known), *inactive, *manager]))
+        return [_Action(self._node_call(MANAGER, "spawner", keywords), "spawner")]
 
     def _topic(self, words: list[str], given: Given) -> _Action:
         """What rostopic did, by a command of ros2."""

@@ -39,7 +39,14 @@ from wsgen.porting.existing.catkin import (
     siblings_of,
 )
 from wsgen.porting.existing.comparison import Renamed, compare, compare_with
-from wsgen.porting.existing.extensions import DIFF_DRIVE, Extensions, Wanted, extend
+from wsgen.porting.existing.controllers_of_ros1 import FoundControllers, find_controllers
+from wsgen.porting.existing.extensions import (
+    CONTROLLERS,
+    DIFF_DRIVE,
+    Extensions,
+    Wanted,
+    extend,
+)
 from wsgen.porting.existing.fixes import (
     Fix,
     fix,
@@ -87,6 +94,7 @@ TEMPLATE = "existing"
 MAIN, EXTENSIONS = "model/robot.xacro", "model/robot.gazebo"
 WORLD_FILE, BRIDGE_FILE = "model/empty_world.world", "config/bridge.yaml"
 RVIZ_FILE = "config/robot.rviz"
+CONTROLLERS_FILE = "config/controllers.yaml"
 _NOT_NEEDED = ("model/inertia.xacro",)  # of the files of other templates
 _CLEARANCE = 0.005  # m, under the robot when it is spawned
 _LICENSE = re.compile(r"<license[^>]*>([^<]+)</license>")
@@ -198,6 +206,8 @@ class _Making:
         self.root = ""  # the link that is bolted
         self.fixes = [Fix(sentence, (), ()) for sentence in read.fixes]
         self.renamed = Renamed()
+        self.manifest = find_package(read.source.file, read.source.packages.values())
+        self.controllers = FoundControllers()
         self.limited: tuple[str, ...] = ()  # joints that a plugin drove otherwise than they say
 
     def make(self, missing: Sequence[str] = ()) -> PackageTree:
@@ -354,7 +364,10 @@ class _Making:
         if wanted.control == DIFF_DRIVE:
             prepared = self._prepare(self._expand(self._alone(written)), laid)
             robot, lumped = prepared.readable or robot, prepared.lumped
-        extensions = extend(robot, lumped, wanted, target, name)
+        if wanted.control in CONTROLLERS:
+            self.controllers = self._known_controllers(robot)
+            self.unported += self.controllers.notes
+        extensions = extend(robot, lumped, wanted, target, name, self.controllers.controllers)
         rows = []
         if target.simulator == SIM:
             rows = bridge_rows(self._written(), target)
@@ -377,6 +390,14 @@ class _Making:
         self.spec = replace(self.spec, dependencies=needed)
         if self.extensions.is_empty:
             self.template = _without(self.template, (EXTENSIONS,))
+
+    def _known_controllers(self, robot: Robot) -> FoundControllers:
+        """The controllers that the package of ROS 1, or those beside it, have for the robot."""
+        if self.manifest is None or self.manifest.file is None:
+            return FoundControllers()
+        folder = self.manifest.file.parent
+        siblings = siblings_of(folder).values()
+        return find_controllers(folder, siblings, robot, self.request.wanted.control)
 
     def _bolted(self, robot: Robot) -> str:
         if any(link.name == WORLD for link in robot.links):
@@ -563,7 +584,7 @@ class _Making:
 
     def _catkin(self, texts: KeptFiles) -> CatkinSource | None:
         """The package of ROS 1 that the robot is of, if it is."""
-        manifest = find_package(self.source.file, self.source.packages.values())
+        manifest = self.manifest
         if manifest is None or manifest.file is None:
             return None
         folder = manifest.file.parent
@@ -571,12 +592,15 @@ class _Making:
         for name, content in self.description.meshes.items():
             if isinstance(content, Path):
                 places[content] = self.resources.names[name]
+        places |= dict.fromkeys(self.controllers.files, CONTROLLERS_FILE)
         return CatkinSource(
             folder,
             manifest.name,
             self.spec.name,
             self.spec.target,
             siblings=siblings_of(folder),
+            controllers=self.controllers.names,
+            controllers_file=CONTROLLERS_FILE,
             default_world=WORLD_FILE,
             bridge=BRIDGE_FILE if self.spec.target.simulator == SIM else None,
             moved={
