@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.errors import NotReadableError
 from wsgen.porting.existing.sources import open_source
-from wsgen.porting.existing.xacro_source import Expanded, expand_source
+from wsgen.porting.existing.xacro_source import Expanded, expand_source, refuse_macros
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -39,7 +40,7 @@ def expand(folder: Path, inside: str, launch: str = "", *, fixes: bool = False) 
         (folder / name / "package.xml").write_text(
             f"<package><name>{name}</name><buildtool_depend>catkin</buildtool_depend></package>"
         )
-    (folder / "rover" / "urdf").mkdir()
+    (folder / "rover" / "urdf").mkdir(exist_ok=True)
     (folder / "rover" / "urdf" / "rover.xacro").write_text(ROBOT.format(inside))
     (folder / "bringup" / "launch" / "start.launch").write_text(launch or "<launch/>")
     source = open_source(str(folder / "rover"), folder / "scratch", os.environ)
@@ -116,3 +117,49 @@ ODD = [
 def test_odd_launch_files_give_nothing(tmp_path: Path, launch: str) -> None:
     found = expand(tmp_path, '<link name="$(arg side)"/>', launch, fixes=True)
     assert found.found[-1].hint == "Give it: add --arg side:=VALUE."
+
+
+CALLED = '<xacro:wheel side="left"/><xacro:include filename="more.xacro"/>'
+MACRO = '<xacro:macro name="wheel" params="side"><link name="${side}"/></xacro:macro>'
+
+
+@pytest.mark.parametrize("fixes", [True, False])
+def test_macros_may_be_below_their_calls(tmp_path: Path, fixes: bool) -> None:
+    """xacro read all macros first before ROS Noetic."""
+    (tmp_path / "rover" / "urdf").mkdir(parents=True)
+    (tmp_path / "rover" / "urdf" / "more.xacro").write_text(ROBOT.format('<link name="more"/>'))
+    found = expand(tmp_path, f"{CALLED}\n{MACRO}", fixes=fixes)
+    if fixes:
+        assert found.text is not None
+        assert found.text.index('"left"') < found.text.index('"more"')
+        assert found.fixes == (
+            "Moved the macros above their calls, as xacro read them before ROS Noetic.",
+        )
+    else:
+        assert found.text is None
+        assert found.found[-1].hint == (
+            "Move line 4 of rover.xacro, which defines it, above its first use. Or add --fix, "
+            "which does it."
+        )
+
+
+def test_a_file_of_macros_is_no_robot(tmp_path: Path) -> None:
+    found = expand(tmp_path, "")
+    assert found.text is not None
+    file = tmp_path / "rover" / "urdf" / "rover.xacro"
+    file.write_text(f'<robot xmlns:xacro="x">{MACRO}<xacro:macro name="other"/></robot>')
+    source = open_source(str(file), tmp_path / "scratch", os.environ)
+    refuse_macros(source, "<robot><link/></robot>")
+    with pytest.raises(NotReadableError) as stop:
+        refuse_macros(source, "<robot/>")
+    assert stop.value.hint == (
+        'Write a file that includes this one, and <xacro:wheel side=""/>; give that.'
+    )
+    caller = file.with_name("caller.xacro")
+    caller.write_text(ROBOT.format(CALLED))
+    with pytest.raises(NotReadableError) as stop:
+        refuse_macros(source, "<robot/>")
+    assert stop.value.message.endswith(
+        "defines the macro `wheel`, and calls none: it has no robot."
+    )
+    assert stop.value.hint == f"Give a file that calls it: --from {caller}"

@@ -20,7 +20,7 @@ from wsgen.porting.existing.resources import (
     usable,
 )
 from wsgen.porting.existing.sdf_model import read_sdf_model
-from wsgen.porting.existing.xacro_source import Expanded, expand_source
+from wsgen.porting.existing.xacro_source import Expanded, expand_source, refuse_macros
 from wsgen.text.files import read_regular
 from wsgen.text.xmltree import Malformed, parse
 
@@ -92,6 +92,7 @@ def read_robot(  # noqa: PLR0913  what is asked for, and where
     if source.kind == "xacro":
         expanded = expand_source(source, arguments, environment, scratch, fixes=fixes)
         refuse(expanded.found, source)
+        refuse_macros(source, expanded.text or "")
     text = expanded.text if source.kind == "xacro" else _read_urdf(source)
     text = _named(text or "", source.file)
     for package in dict.fromkeys(_PACKAGE.findall(text)):

@@ -7,7 +7,9 @@ from dataclasses import replace
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.checks.fixes.source import Edit, apply, children, read_tags
 from wsgen.descriptions.xacro.reader import expand_file
+from wsgen.errors import NotReadableError
 from wsgen.packages.source_shares import is_used, serve_sources
 from wsgen.pipeline.file_validation import read
 from wsgen.porting.existing.catkin import siblings_of
@@ -35,6 +37,7 @@ _NAMED = re.compile(r"\$\(find\s+([\w.-]+)\s*\)")
 _EMPTY = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"/>\n'
 _ARGUMENT = re.compile(r"\$\(arg\s+(\S+?)\s*\)")
 _UNDEFINED = re.compile(r"Undefined substitution argument (\S+?)\.$")
+_UNKNOWN_MACRO = re.compile(r"unknown macro name: xacro:")
 _NOT_FOUND = re.compile(r"the package '([\w.-]+)' is not found\.$")
 _DEEPEST = 10  # arguments whose defaults name others
 _LONGEST = 1000  # characters of a value
@@ -68,7 +71,8 @@ def expand_source(
     """Expand the file of a source.
 
     With fixes, what is included from packages that do not exist is left out, as long as nothing
-    calls its macros; and arguments without a value get that of the launch file that gives them.
+    calls its macros; macros may be called above their definition; and arguments without a value get
+    that of the launch file that gives them.
     """
     packages = _look_up(source)
     served = serve_sources(packages.there, scratch / "prefixes", environment)
@@ -76,30 +80,37 @@ def expand_source(
     if text is not None:
         return Expanded(text, found, arguments)
     where, offered = _offered(source)
-    given = dict(arguments)
+    given, moved = dict(arguments), False
     if fixes:
         served = _serve_with_empty(packages, scratch, environment)
         text, later = expand_file(source.file, given, environment=served)
         while text is None and (name := _undefined(later)) in offered.keys() - given.keys():
             given[name] = offered[name]
             text, later = expand_file(source.file, given, environment=served)
+        if text is None and _UNKNOWN_MACRO.search(later[-1].message):
+            first = _with_macros_first(source.file, scratch)
+            text, again = expand_file(first, given, environment=served)
+            moved = text is not None
+            later = again if moved else later
         # Without a package, the macros that it defines are missing next.
         is_same = _NOT_FOUND.search(found[-1].message) is not None and not _undefined(later)
         found = found if text is None and is_same else later
     if text is None:
         found = tuple(_advised(one, where, offered, fixes=fixes) for one in found)
         return Expanded(None, found, given)
-    left_out = (
+    changed = [
         f"Left out what is included from the package `{name}`, which was not found."
         for name in packages.missing
         if is_used(name, served)
-    )
+    ]
+    if moved:
+        changed.append("Moved the macros above their calls, as xacro read them before ROS Noetic.")
     notes = (
         f"Gave xacro the argument `{name}:={value}`, as {where} does."
         for name, value in given.items()
         if name not in arguments
     )
-    return Expanded(text, found, given, tuple(left_out), tuple(notes))
+    return Expanded(text, found, given, tuple(changed), tuple(notes))
 
 
 def _serve_with_empty(
@@ -112,6 +123,56 @@ def _serve_with_empty(
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text(_EMPTY, encoding="utf-8")
     return serve_sources({**packages.there, **folders}, scratch / "with-empty", environment)
+
+
+def _with_macros_first(file: Path, scratch: Path) -> Path:
+    """A copy of a file whose macros are at its start, as it was read before ROS Noetic."""
+    text = read_text(file) or ""
+    tags = read_tags(text)
+    root = next((one for one in tags if one.name == "robot"), None)
+    edits, macros = list[Edit](), list[str]()
+    for one in children(tags, root) if root is not None else ():
+        named = one.attributes.get("filename")
+        if one.name == "xacro:macro" and one.end is not None:
+            macros.append(text[one.start.start : one.end.end])
+            edits.append(Edit(start=one.start.start, end=one.end.end, text=""))
+        elif one.name == "xacro:include" and named is not None and named.text[:1] not in {"$", "/"}:
+            edits.append(
+                Edit(start=named.value.start, end=named.value.start, text=f"{file.parent}/")
+            )
+    if root is not None:
+        edits.append(Edit(start=root.start.end, end=root.start.end, text="\n".join(macros)))
+    copy = scratch / "macros-first" / file.name
+    copy.parent.mkdir(parents=True, exist_ok=True)
+    copy.write_text(apply(text, edits), encoding="utf-8")
+    return copy
+
+
+def refuse_macros(source: Source, text: str) -> None:
+    """Stop at a file that defines macros alone.
+
+    Raises:
+        NotReadableError: It does, and expands to this text, which has no link.
+    """
+    written = read_text(source.file) or ""
+    macros = [one.attributes for one in read_tags(written) if one.name == "xacro:macro"]
+    if "<link" in text or not macros or "name" not in macros[0]:
+        return
+    name = macros[0]["name"].text
+    callers = [
+        file
+        for file in files_below(source.roots[0])
+        if file.suffix == ".xacro" and f"<xacro:{name}" in (read_text(file) or "")
+    ]
+    callers = [one for one in callers if one != source.file]
+    words = macros[0]["params"].text.split() if "params" in macros[0] else []
+    given = "".join(f' {one}=""' for one in words if "=" not in one and "*" not in one)
+    raise NotReadableError(
+        f"{source.shown} defines the macro `{name}`, and calls none: it has no robot.",
+        hint=f"Give a file that calls it: --from {callers[0]}"
+        if callers
+        else f"Write a file that includes this one, and <xacro:{name}{given}/>; give that.",
+    )
 
 
 def _look_up(source: Source) -> _LookedUp:
@@ -157,7 +218,8 @@ def _advised(one: Diagnostic, where: str, offered: Mapping[str, str], *, fixes: 
             else (" Or add --fix, which leaves out what is included from it if nothing uses that.")
         )
         return replace(one, hint=hint + more)
-    return one
+    is_below = not fixes and (one.hint or "").startswith("Move line")  # the macro that is called
+    return replace(one, hint=f"{one.hint} Or add --fix, which does it.") if is_below else one
 
 
 def _offered(source: Source) -> tuple[str, dict[str, str]]:
