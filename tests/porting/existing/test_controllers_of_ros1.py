@@ -184,7 +184,7 @@ TURNS = (
     [
         ("c: {type: nobody/KnowsController, joint: one}",
          "ros2_control does not have a controller like `c`, a nobody/KnowsController."),
-        ("c: {type: nobody/KnowsController}", "The controller `c` names no joint."),
+        ("c: {type: nobody/KnowsController}", "The controller `c` does not name a joint."),
         ("c: {type: effort_controllers/JointEffortController, joints: [one, three]}",
          "The controller `c` commands three, which cannot be moved here."),
         ("'1 c': {type: effort_controllers/JointEffortController, joint: one}",
