@@ -39,6 +39,7 @@ def notes(found: Iterable[Unported]) -> list[str]:
     return [f"{one.file.name}:{one.line}: {one.what}" for one in found]
 
 
+CLASSIC_TARGET = choose_target("humble", "classic")
 FORMAT_1 = """\
 <package>
   <name>my_robot</name>
@@ -281,3 +282,37 @@ def test_a_program_in_an_older_python_is_left_out(tmp_path: Path) -> None:
     assert notes(ported.notes) == [
         "gain:1: The program is not written for Python 3 (scripts/gain:3)."
     ]
+
+
+WORLD = """<sdf version="1.6"><world name="w"><include><uri>model://ground_plane</uri></include>
+<model name="m"><link name="l"><visual name="v"><geometry><mesh><uri>{}</uri></mesh></geometry>
+</visual></link></model><include><uri>model://camera</uri></include></world></sdf>"""
+CAMERA = """<sdf version="1.6"><model name="camera"><link name="l">
+<sensor name="s" type="camera"/></link></model></sdf>"""
+
+
+@pytest.mark.parametrize("is_started", [True, False])
+def test_worlds_are_ported(tmp_path: Path, is_started: bool) -> None:
+    """One that cannot be loaded is left out if nothing starts it."""
+    launch = "<launch><!-- lost.world --></launch>" if is_started else "<launch/>"
+    found = {
+        "worlds/a.world": WORLD.format("model://my_robot/meshes/a.dae"),
+        "worlds/lost.world": WORLD.format("file:///nobody/has/this.dae"),
+        "models/camera/model.sdf": CAMERA,
+        "models/camera/model.config": "<model><sdf>model.sdf</sdf></model>",
+        "launch/a.launch": launch,
+    }
+    source = source_of(tmp_path, found)._replace(systems=frozenset(["Imu"]))
+    ported = port_files(source)
+    text = ported.files["worlds/a.world"]
+    assert isinstance(text, str)
+    for system in ("physics", "sensors", "imu"):
+        assert f'"gz-sim-{system}-system"' in text
+    assert "model://ground_plane" not in text
+    assert "model://my_robot/meshes/a.dae" in text
+    assert ("worlds/lost.world" in ported.files) == is_started
+    listed = [one for one in notes(ported.notes) if one.startswith("lost.world:1: ")]
+    assert bool(listed) != is_started
+    assert all("names /nobody/has/this.dae, which does not exist" in one for one in listed)
+    classic = source_of(tmp_path, found, target="humble")._replace(target=CLASSIC_TARGET)
+    assert port_files(classic).files["worlds/a.world"] == tmp_path / "worlds" / "a.world"

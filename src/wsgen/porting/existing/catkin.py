@@ -10,12 +10,14 @@ from __future__ import annotations
 import itertools
 import re
 from html import escape
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.fixes.manifests import add_export, declare, text_of, top_of
 from wsgen.checks.fixes.source import Edit, SourceText, apply, children, read_tags
 from wsgen.checks.rules.dependencies import OF_ROS_1, rosdep_key
 from wsgen.launching.package_lookup import is_brought
+from wsgen.model.target import SIM
 from wsgen.packages.build_files.cmake_text import parse
 from wsgen.packages.workspace.manifest import (
     BUILD_TAGS,
@@ -35,14 +37,15 @@ from wsgen.porting.existing.other_robots import find_other_robots
 from wsgen.porting.existing.parameters_of_ros1 import files_in
 from wsgen.porting.existing.programs_of_ros1 import written_for_ros_1
 from wsgen.porting.manifests import SEARCHED, SUCCESSORS, Declared, rename_dependencies
-from wsgen.porting.ported import Unported
+from wsgen.porting.models import port_model
+from wsgen.porting.ported import FilePort, Unported, joined
+from wsgen.porting.worlds import model_names, port_world
 from wsgen.ros import ros1
 from wsgen.ros.names import released_packages, rosdep_keys
 from wsgen.text.markup import read_text
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator
-    from pathlib import Path
 
     from wsgen.checks.fixes.source import Tag
     from wsgen.packages.build_files.cmake_text import Call
@@ -59,6 +62,8 @@ _NAMING = frozenset(
         *(".yaml", ".yml"),
     )
 )
+_SDF = (".sdf", ".world")
+_ABSOLUTE = re.compile(r"<uri>\s*(?:file://)?(/[^<>\s]+)\s*</uri>")
 _KINDS = {"add_message_files": "msg", "add_service_files": "srv", "add_action_files": "action"}
 # Commands of CMake that make something, which the new build file does not -> what they make.
 _MAKES = {
@@ -145,6 +150,7 @@ def port_files(source: Source) -> PortedPackage:
     files: dict[str, str | Path] = {}
     changed = dict[str, str]()
     paths = files_in(source.folder)
+    source = source._replace(systems=source.systems | _systems_of_models(source, paths))
     others = find_other_robots(source, filter(is_installed, paths))
     packages, used, notes = set[str](), set[str](), [*others.notes]
     for path in paths:
@@ -169,11 +175,46 @@ def port_files(source: Source) -> PortedPackage:
             packages |= launch.packages
         else:
             files[path] = _renamed(file, source)
+            if path.endswith(_SDF) and source.target.simulator == SIM:
+                port = _add_sdf(path, source, files, paths)
+                notes += port.unported
+                packages |= port.packages
     calls = _calls(source)
     interfaces, _, lost = _interfaces(source, calls)
     notes += [*lost, *_not_built(source.folder / BUILD_FILE, calls)]
     files |= {path: source.folder / path for path in used} | changed | interfaces
     return PortedPackage(files, frozenset(packages), tuple(notes))
+
+
+def _systems_of_models(source: Source, paths: Iterable[str]) -> frozenset[str]:
+    """The systems of Gazebo Sim that the models of a package need, which its worlds include."""
+    if source.target.simulator != SIM:
+        return frozenset()
+    files = [source.folder / path for path in paths if path.endswith(_SDF)]
+    texts = [SourceText(file, read_text(file) or "") for file in files]
+    return joined(port_model(text, source.target) for text in texts).systems
+
+
+def _add_sdf(
+    path: str, source: Source, files: dict[str, str | Path], paths: Collection[str]
+) -> FilePort:
+    """Port a world or model for Gazebo Classic, which is among the files as it is."""
+    before = files[path]
+    text = before if isinstance(before, str) else read_text(before) or ""
+    file = source.folder / path
+    lost = next((one for one in _ABSOLUTE.findall(text) if not Path(one).exists()), None)
+    starters = (read_text(source.folder / one) or "" for one in paths if one.endswith(ENDINGS))
+    if lost is not None and not any(file.name in one for one in starters):
+        del files[path]
+        what = f"{path} names {lost}, which does not exist, and no launch file starts it."
+        return FilePort(unported=(Unported(file, 1, what, "Put what it needs into a package."),))
+    models = {*model_names(source.folder), source.name}
+    inside = port_model(SourceText(file, text), source.target)
+    world = port_world(SourceText(file, text), source.target, source.systems, models=models)
+    port = joined((world, inside))
+    if port.edits:
+        files[path] = apply(text, port.edits)
+    return port
 
 
 def _add_program(path: str, source: Source, files: dict[str, str | Path]) -> Iterator[Unported]:

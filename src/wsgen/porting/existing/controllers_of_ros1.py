@@ -150,7 +150,9 @@ class _Search:
         if not _NAME.fullmatch(name):
             raise _UnsaidError(f"The name of the controller `{name}` is not one of ROS 2.")
         if lost or not named:
-            what = f"commands {lost}, which cannot be moved here" if lost else "does not name a joint"
+            what = (
+                f"commands {lost}, which cannot be moved here" if lost else "does not name a joint"
+            )
             raise _UnsaidError(f"The controller `{name}` {what}.")
         if kind == _DRIVE:
             command, settings = "velocity", self._of_drive(name, value)

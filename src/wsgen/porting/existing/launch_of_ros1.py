@@ -100,6 +100,7 @@ class Source(NamedTuple):
     bridge: str | None = None  # file of the package with what is bridged; None: only the clock
     controllers: Mapping[str, str] = {}  # that the package has now: name in ROS 1 -> in ROS 2
     controllers_file: str = ""  # file of the package with them
+    systems: frozenset[str] = frozenset()  # of Gazebo Sim, that worlds must load for the robot
     moved: Mapping[str, str] = {}  # files of the package that are elsewhere now, by path
     robot: str = ""  # file of the package with the robot
     model: str = ""  # file of xacro that has it now, with what the simulator needs besides

@@ -601,6 +601,7 @@ class _Making:
             siblings=siblings_of(folder),
             controllers=self.controllers.names,
             controllers_file=CONTROLLERS_FILE,
+            systems=self.extensions.systems,
             default_world=WORLD_FILE,
             bridge=BRIDGE_FILE if self.spec.target.simulator == SIM else None,
             moved={
