@@ -42,6 +42,7 @@ from wsgen.launching.spawner_options import (
 from wsgen.model.plan import Process
 from wsgen.model.transform import Pose, rotation_of_quaternion, rpy_of_rotation
 from wsgen.model.world import Spawn, SpawnHeight
+from wsgen.ros import ros1
 from wsgen.ros.names import released_packages
 from wsgen.text.markup import read_text, without_comments
 from wsgen.text.xmltree import Malformed, parse
@@ -101,7 +102,6 @@ ASSUMED_SPAWNER = Rule(
     "     arguments=['-topic', 'robot_description', '-entity', 'my_robot'])",
 )
 
-_SPAWNERS_OF_ROS_1 = {"spawn_model", "spawn_urdf", "urdf_spawner"}
 # Launch files of ros_gz_sim that start `create` with their arguments as its parameters.
 _SPAWNING_LAUNCH_FILES = {"gz_spawn_model.launch.py", "ros_gz_spawn_model.launch.py"}
 _PARAMETERS_OF_ARGUMENTS = {"entity_name": "name", "model_string": "string"}
@@ -262,7 +262,7 @@ def _read_spawn(plan: LaunchPlan, program: Process) -> Found:
     request = _request_of(program)
     if request is not None:
         return _read_service_call(plan, program, *request)
-    if program.package == "gazebo_ros" and program.executable in _SPAWNERS_OF_ROS_1:
+    if program.package == "gazebo_ros" and program.executable in ros1.SPAWNERS:
         return None, [
             report_at(
                 ROS_1_SPAWNER,

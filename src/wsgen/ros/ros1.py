@@ -82,6 +82,8 @@ GAZEBO_LAUNCH_FILES = {
 }
 # Launch argument of empty_world.launch -> that of ROS 2's gazebo.launch.py.
 GAZEBO_ARGUMENTS = {"world_name": "world", "paused": "pause", "gui": "gui", "verbose": "verbose"}
+# Programs of gazebo_ros that spawn a model.
+SPAWNERS = frozenset(("spawn_model", "spawn_model.py", "spawn_urdf", "urdf_spawner"))
 GAZEBO_PROGRAMS = ("gazebo", "gzserver", "debug", "perf")  # of gazebo_ros, which start a server
 
 # Classes of std_msgs whose only field is `data`.

@@ -862,9 +862,9 @@ class _Port:
 
     def _spawns_one(self, options: Mapping[str, list[str]]) -> bool:
         """Whether it is surely the robot of the package that is spawned, and once."""
-        types = [one.get("type", "") for one in self.root.iter("node")]
+        spawners = [one for one in self.root.iter("node") if one.get("type") in ros1.SPAWNERS]
         is_named = "$(" not in options.get("model", ["$("])[0]
-        return is_named and "sdf" not in options and types.count("spawn_model") == 1
+        return is_named and "sdf" not in options and len(spawners) == 1
 
     def _expanded(self, model: str, arguments: list[Code]) -> list[_Action]:
         """Add the robot that was in a file, as xacro expands it."""
@@ -946,7 +946,7 @@ class _Port:
             return self._controllers(words, keywords)
         if program in {"gzclient", *ros1.GAZEBO_PROGRAMS}:
             return self._gazebo_program(element, program, words)
-        if program in {"spawn_model", "spawn_model.py"}:
+        if program in ros1.SPAWNERS:
             return self._spawn(words, keywords)
         raise UnsaidError(
             f"ROS 2 has no counterpart of `{program}` of gazebo_ros.", "Go without it."
