@@ -113,6 +113,19 @@ ODD = [
 ]
 
 
+def test_the_file_that_includes_a_part_is_named(tmp_path: Path) -> None:
+    whole = tmp_path / "rover" / "urdf" / "whole.xacro"
+    whole.parent.mkdir(parents=True)
+    whole.write_text('<robot xmlns:xacro="x"><xacro:include filename="rover.xacro"/></robot>')
+    source = tmp_path / "rover" / "urdf" / "rover.xacro"
+    source.write_text(ROBOT.format('<link name="$(arg side)"/>'))
+    opened = open_source(str(source), tmp_path / "scratch", os.environ)
+    found = expand_source(opened, {}, os.environ, tmp_path / "scratch", fixes=True)
+    assert found.found[-1].hint == (
+        f"Give it: add --arg side:=VALUE. Or give the file that includes this one: --from {whole}"
+    )
+
+
 @pytest.mark.parametrize("launch", ODD)
 def test_odd_launch_files_give_nothing(tmp_path: Path, launch: str) -> None:
     found = expand(tmp_path, '<link name="$(arg side)"/>', launch, fixes=True)

@@ -11,7 +11,7 @@ from wsgen.checks.fixes.source import Edit, apply, children, read_tags
 from wsgen.descriptions.xacro.reader import expand_file
 from wsgen.errors import NotReadableError
 from wsgen.packages.source_shares import is_used, serve_sources
-from wsgen.pipeline.file_validation import read
+from wsgen.pipeline.file_validation import INCLUDE, read
 from wsgen.porting.existing.catkin import siblings_of
 from wsgen.porting.existing.launch_of_ros1 import ENDINGS, is_of_ros_1
 from wsgen.porting.existing.launch_values import UnsaidError, split_words
@@ -96,7 +96,7 @@ def expand_source(
         is_same = _NOT_FOUND.search(found[-1].message) is not None and not _undefined(later)
         found = found if text is None and is_same else later
     if text is None:
-        found = tuple(_advised(one, where, offered, fixes=fixes) for one in found)
+        found = tuple(_advised(one, source, where, offered, fixes=fixes) for one in found)
         return Expanded(None, found, given)
     changed = [
         f"Left out what is included from the package `{name}`, which was not found."
@@ -159,12 +159,7 @@ def refuse_macros(source: Source, text: str) -> None:
     if "<link" in text or not macros or "name" not in macros[0]:
         return
     name = macros[0]["name"].text
-    callers = [
-        file
-        for file in files_below(source.roots[0])
-        if file.suffix == ".xacro" and f"<xacro:{name}" in (read_text(file) or "")
-    ]
-    callers = [one for one in callers if one != source.file]
+    callers = _naming(source, re.compile(rf"<xacro:({name})\b".encode()), name)
     words = macros[0]["params"].text.split() if "params" in macros[0] else []
     given = "".join(f' {one}=""' for one in words if "=" not in one and "*" not in one)
     raise NotReadableError(
@@ -173,6 +168,13 @@ def refuse_macros(source: Source, text: str) -> None:
         if callers
         else f"Write a file that includes this one, and <xacro:{name}{given}/>; give that.",
     )
+
+
+def _naming(source: Source, pattern: re.Pattern[bytes], name: str = "") -> list[Path]:
+    """The other xacro files of the source in which a pattern finds its file, or another name."""
+    wanted = (name or source.file.name).encode()
+    files = (one for one in files_below(source.roots[0]) if one.suffix == ".xacro")
+    return [one for one in files if one != source.file and wanted in pattern.findall(read(one))]
 
 
 def _look_up(source: Source) -> _LookedUp:
@@ -202,14 +204,19 @@ def _undefined(found: tuple[Diagnostic, ...]) -> str | None:
     return named[1] if named else None
 
 
-def _advised(one: Diagnostic, where: str, offered: Mapping[str, str], *, fixes: bool) -> Diagnostic:
+def _advised(
+    one: Diagnostic, source: Source, where: str, offered: Mapping[str, str], *, fixes: bool
+) -> Diagnostic:
     """The error with what to do about it here."""
     undefined, missing = _UNDEFINED.search(one.message), _NOT_FOUND.search(one.message)
     if undefined is not None:
         name = undefined[1]
-        if name not in offered:
-            return replace(one, hint=f"Give it: add --arg {name}:=VALUE.")
-        return replace(one, hint=f"{where} gives it: add --arg {name}:={offered[name]}, or --fix.")
+        if name in offered:
+            hint = f"{where} gives it: add --arg {name}:={offered[name]}, or --fix."
+            return replace(one, hint=hint)
+        wholes = _naming(source, INCLUDE)
+        more = f" Or give the file that includes this one: --from {wholes[0]}" if wholes else ""
+        return replace(one, hint=f"Give it: add --arg {name}:=VALUE.{more}")
     if missing is not None:
         hint = f"Put the package `{missing[1]}` beside this one, or source a workspace that has it."
         more = (
