@@ -218,6 +218,19 @@ def test_macros_are_kept(here: Path, tmp_path: Path, capsys: pytest.CaptureFixtu
     assert "`Custom`" in (package / "LICENSE").read_text()
 
 
+def test_warnings_of_xacro_stop_no_launch(
+    here: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    package = write_rover(tmp_path)
+    main = package / "urdf" / "rover.urdf.xacro"
+    pi = '<xacro:property name="pi" value="3.14"/></robot>'
+    main.write_text(main.read_text().replace("</robot>", pi))
+    assert new(package) == 0
+    assert "Kept the xacro files" in capsys.readouterr().err
+    assert run(["check", "ws_gazebo"]) == 0
+    assert "refused-by-launch" not in capsys.readouterr().out
+
+
 def test_arguments_are_kept(here: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert new(write_rover(tmp_path), "--arg", "wheels:=1", "--format", "json") == 0
     rows = {row["aspect"]: row for row in robot_in(capsys)["comparison"]}

@@ -561,6 +561,7 @@ class _Making:
             "height": f"{height:.4f}".rstrip("0").ljust(3, "0"),
             "distance": max(1.0, round(2.5 * extent, 1)),
             "source": self.source.file.name,
+            "is_kept": bool(texts.places),  # with its macros
             "kind": KINDS[self.source.kind],
             "mass": f"{robot.mass:.4g}",
             "joints": len(robot.joints),
