@@ -224,7 +224,6 @@ def test_heavy_collision_meshes(
 ) -> None:
     pytest.importorskip("scipy")
     monkeypatch.setitem(sys.modules, "coacd", None)
-    monkeypatch.setattr(parent, "run", parent.run_here)
     monkeypatch.setattr(made_meshes, "run", parent.run_here)
     robot, said = fixed(heavy(tmp_path, monkeypatch), tmp_path, capsys)
     base = robot.link("base")
