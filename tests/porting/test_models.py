@@ -1243,3 +1243,28 @@ def test_of_two_materials_that_of_the_named_model_counts(tmp_path: Path) -> None
     )
     port = port_model(SourceText(FILE, text), JAZZY, Robots(paints={"same": paints}))
     assert "<diffuse>0.6 0 0 1</diffuse>" in apply(text, port.edits)
+
+
+@pytest.mark.parametrize("drive", ["d", "other"])
+def test_wheels_that_a_macro_is_given(drive: str) -> None:
+    """The robot that a launch file spawns says which joints they are."""
+    joints = "".join(f'<joint name="{one}" type="continuous"/>' for one in ("l_joint", "r_joint"))
+    text = f"""<robot name="r">
+  {joints}
+  <xacro:macro name="drive" params="l r">
+    <gazebo>
+      <plugin name="d" filename="libgazebo_ros_diff_drive.so">
+        <left_joint>${{l}}</left_joint>
+        <right_joint>${{r}}</right_joint>
+        <max_wheel_torque>3</max_wheel_torque>
+      </plugin>
+    </gazebo>
+  </xacro:macro>
+</robot>
+"""
+    filename = "libgazebo_ros_diff_drive.so"
+    robots = Robots(wheels={(drive, filename): frozenset(("l_joint", "r_joint"))})
+    port = port_model(SourceText(FILE, text), JAZZY, robots)
+    after = apply(text, port.edits)
+    assert after.count('<limit effort="3" velocity="1000"/>') == (2 if drive == "d" else 0)
+    assert len(port.efforts) == (0 if drive == "d" else 1)

@@ -291,8 +291,10 @@ def _written(folder: Path, files: dict[str, str]) -> Path:
 
 
 @pytest.mark.slow
-def test_wheels_are_as_strong_wherever_they_are(tmp_path: Path) -> None:
-    package = _written(tmp_path / "split", DRIVE_ELSEWHERE)
+@pytest.mark.parametrize("name", ["right_wheel_joint", "${prefix}right_wheel_joint"])
+def test_wheels_are_as_strong_wherever_they_are(tmp_path: Path, name: str) -> None:
+    body = DRIVE_ELSEWHERE["urdf/body.xacro"].replace('"right_wheel_joint"', f'"{name}"')
+    package = _written(tmp_path / "split", {**DRIVE_ELSEWHERE, "urdf/body.xacro": body})
     planned = plan(package)
     assert planned.unported == ()
     after = {one.file.name: one.after for one in planned.files}
@@ -313,9 +315,10 @@ def test_wheels_are_as_strong_wherever_they_are(tmp_path: Path) -> None:
     [
         ('<xacro:wheel side="left"/>', '<xacro:wheel side="left"/><xacro:wheel side="front"/>'),
         ('<joint name="right_wheel_joint"', '<joint name="right_wheel"'),
+        ('<joint name="right_wheel_joint"', '<joint name="${side}_wheel_joint"'),
         (">20<", ">${strong}<"),
     ],
-    ids=["of a macro for others, too", "not there", "computed elsewhere"],
+    ids=["of a macro for others, too", "not there", "computed", "computed elsewhere"],
 )
 def test_wheels_that_are_not_sure_are_left_to_the_author(
     tmp_path: Path, old: str, new: str

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 
 from wsgen.checks.fixes.source import SourceText
 from wsgen.descriptions.sdf.textures import image_in, read_script
-from wsgen.gazebo.plugins import stem
+from wsgen.gazebo.plugins import TWO_WHEELS, stem
 from wsgen.gazebo.successors import SPECULARS, TEXTURED
 from wsgen.model.facts import ROS2_CONTROL_HARDWARE
 from wsgen.model.robot import GAZEBO_AMBIENTS, GAZEBO_COLORS
 from wsgen.model.target import CLASSIC
 from wsgen.packages.workspace.layout import BUILD_MARKERS
 from wsgen.porting.plugins import port_plugin
-from wsgen.porting.porter import Follower, Paint, Porter, number, without_computed
+from wsgen.porting.porter import ClassicPlugin, Follower, Paint, Porter, number, without_computed
 from wsgen.porting.sensors import goes_with_sensor, port_sensor
 from wsgen.porting.xml_edits import COMPUTED, Block, read_nodes
 from wsgen.text.files import list_files
@@ -96,6 +96,16 @@ def plugins_of(text: str) -> Iterator[tuple[str, str]]:
     for node in read_nodes(SourceText(Path("robot"), text)) if "<plugin" in text else ():
         if node.name == "plugin" and node.get("filename"):
             yield node.get("name"), node.get("filename")
+
+
+def wheels_of(text: str) -> Iterator[tuple[tuple[str, str], frozenset[str]]]:
+    """The joints of the wheels of plugins, by the names and file names of these."""
+    for node in read_nodes(SourceText(Path("robot"), text)) if "<plugin" in text else ():
+        if node.name == "plugin":
+            plugin = ClassicPlugin(node)
+            joints = frozenset(one.text for tag in TWO_WHEELS for one in plugin.all(tag))
+            if joints:
+                yield (node.get("name"), plugin.filename), joints
 
 
 def managers_of(text: str) -> Iterator[tuple[str, str]]:

@@ -46,6 +46,7 @@ from wsgen.porting.models import (
     managers_of,
     plugins_of,
     port_model,
+    wheels_of,
 )
 from wsgen.porting.parameters import port_parameters
 from wsgen.porting.plugins import port_effort
@@ -288,8 +289,13 @@ class _Launches:
             for one in ones:
                 for manager in managers_of(one.description):
                     managers[manager].add(one.namespace or "")
+        wheels: dict[tuple[str, str], frozenset[str]] = defaultdict(frozenset)
+        for text in spawns:
+            for drive, joints in wheels_of(text):
+                wheels[drive] |= joints
         return Robots(
             managers=managers,
+            wheels=wheels,
             mounted=frozenset(one for text in spawns for one in _mounted(text)),
             scoped=frozenset(
                 one

@@ -360,6 +360,18 @@ def _limit_effort(port: Porter, plugin: ClassicPlugin) -> None:
         return
     port.editor.remove(torque)
     names = frozenset(node.text for tag in TWO_WHEELS for node in plugin.all(tag))
+    if any(COMPUTED in one for one in names):
+        names = (
+            frozenset().union(
+                *(
+                    those
+                    for (name, filename), those in port.robots.wheels.items()
+                    if filename == plugin.filename
+                    and values_in(plugin.node.get("name"), name) is not None
+                )
+            )
+            or names
+        )
     joints = [one for one in _joints(port.nodes) if one.get("name") in names]
     is_known = COMPUTED not in torque.text or all(one.macro is plugin.node.macro for one in joints)
     if is_known and names and {one.get("name") for one in joints} == names:
@@ -395,7 +407,7 @@ def port_effort(effort: Effort, around: Sequence[Porter]) -> bool:
     found: set[str] = set()
     for port in around:
         for joint in _joints(port.nodes):
-            made = _names_of(joint, nodes)
+            made = {_without_prefix(one, effort.joints) for one in _names_of(joint, nodes)}
             if made & effort.joints:
                 if not made <= effort.joints:
                     return False
@@ -410,6 +422,15 @@ def port_effort(effort: Effort, around: Sequence[Porter]) -> bool:
     for port, joint in wheels:
         _set_effort(port, joint, effort.torque)
     return True
+
+
+def _without_prefix(name: str, joints: Iterable[str]) -> str:
+    """The name of one of the joints, if what xacro computes of a name is empty there."""
+    for one in joints:
+        computed = values_in(name, one)
+        if computed is not None and not any(computed):
+            return one
+    return name
 
 
 def _names_of(joint: Node, nodes: Iterable[Node]) -> set[str]:

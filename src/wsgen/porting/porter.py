@@ -59,6 +59,8 @@ class Robots(NamedTuple):
     mounted: frozenset[Mounted] = frozenset()
     # Name and file name of the plugins of robots that spawners put into namespaces.
     scoped: frozenset[tuple[str, str]] = frozenset()
+    # The wheels that plugins of drives turn, by the names and file names of these.
+    wheels: Mapping[tuple[str, str], frozenset[str]] = MappingProxyType({})
     # The namespaces that spawners give to plugins of ros2_control, by their name and parameters.
     managers: Mapping[tuple[str, str], Collection[str]] = MappingProxyType({})
     followers: Mapping[str, Follower] = MappingProxyType({})  # by joint, see `without_computed`
