@@ -133,6 +133,10 @@ def pytest_configure(config: pytest.Config) -> None:
     """Choose the examples of properties, before the files that have some are imported."""
     if config.getoption("--thorough"):
         hypothesis.settings.load_profile("thorough")
+    if config.getoption("--regenerate") and "PYTEST_XDIST_WORKER" not in os.environ:
+        from template_history import keep_states  # noqa: PLC0415  before a golden has a state
+
+        keep_states()
 
 
 def pytest_report_header() -> str:

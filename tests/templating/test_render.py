@@ -11,6 +11,7 @@ from wsgen.model.package import Maintainer
 from wsgen.model.target import DEFAULT_TARGET
 from wsgen.templating.render import RenderedTree, render_package
 from wsgen.templating.spec import license_names, make_spec
+from wsgen.templating.states import made_of
 from wsgen.templating.template import load_template
 
 if sys.version_info >= (3, 11):
@@ -70,6 +71,7 @@ def test_wsgen_toml_records_how_the_package_was_made() -> None:
         "schema": 1,
         "wsgen": __version__,
         "template": "simple",
+        "state": made_of(load_template("simple"))["state"],
         "target": {"distro": "iron", "simulator": "classic"},
         "package": {
             "name": "some_robot",

@@ -40,6 +40,7 @@ GARBAGE_THRESHOLD = 100_000  # objects more than are freed, until the collector 
 COMMANDS = {
     "new": "Create a package with a robot, and a workspace if none exists.",
     "add": "Add a node, a message, a launch file and more to a package of anybody.",
+    "update": "Merge what a template has become into a package that was made of it.",
     "templates": "List the templates and their variables, or check your own template.",
     "build": "Build the workspace with colcon and explain build errors.",
     "check": "Check packages and files without building or simulating them.",

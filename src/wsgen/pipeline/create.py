@@ -242,9 +242,10 @@ def _render(spec: PackageSpec, template: Template) -> RenderedTree:
     """The files of the package; a template of the user is rendered in a child process."""
     if template.is_shipped:
         return render_package(spec, template)
+    from wsgen.pipeline.own_templates import made_of_own  # noqa: PLC0415  starts git
     from wsgen.templating.render_apart import render_package_apart  # noqa: PLC0415  starts a child
 
-    return render_package_apart(spec, template)
+    return render_package_apart(spec, template, {"made_of": made_of_own(template)})
 
 
 def _repository_around(root: Path) -> Path | None:

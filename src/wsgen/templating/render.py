@@ -11,7 +11,8 @@ from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.model.package import WINDOWS_DEVICES
 from wsgen.model.target import image
 from wsgen.templating.environment import Environment, describe_error, syntax_place
-from wsgen.templating.sources import ENDING, SourceError, find_source
+from wsgen.templating.sources import ENDING, SourceError, find_source, is_past
+from wsgen.templating.states import made_of
 from wsgen.templating.template import MANIFEST, refuse
 from wsgen.text.values import lazy_pattern
 
@@ -225,8 +226,8 @@ def render_tree(
     """Render the files as far as possible, and report the mistakes in the template.
 
     An environment for the folder of the template, if one is there already, has read its sources.
-    `wanted` chooses files by their paths; None: all. `added` are more names for the sources; its
-    `files` are paths that the package has besides.
+    `wanted` chooses files by their paths; None: all. `added` are more names for the sources, also
+    in place of `made_of` and `wsgen_version`; its `files` are paths that the package has besides.
     """
     sources, diagnostics = _place(spec, template)
     if diagnostics:
@@ -235,12 +236,13 @@ def render_tree(
     added = added or {}
     files = sorted({*sources, *cast("Iterable[str]", added.get("files", ()))})
     context = {
+        "made_of": made_of(template),
+        "wsgen_version": __version__,
         **added,
         "package": spec,
         "variables": template.variables,
         "files": files,
         "folders": installed_folders(files),
-        "wsgen_version": __version__,
     }
     tree: RenderedTree = {}
     for path in sorted(sources if wanted is None else filter(wanted, sources)):
@@ -251,7 +253,8 @@ def render_tree(
             )
         if isinstance(error, TimeoutError):  # no time is left for the others
             break
-    environment.keep_compiled()
+    if not is_past():  # compiled templates are kept by their names
+        environment.keep_compiled()
     return tree, tuple(diagnostics)
 
 

@@ -6,6 +6,9 @@ The sandbox protects the machine from a template, but not from a loop up to 10**
 from __future__ import annotations
 
 import signal
+from collections.abc import Mapping  # noqa: TC003  the type hints of the request are read
+from pathlib import Path  # noqa: TC003  same
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic  # noqa: TC001  the type hints of the answer are read
@@ -13,6 +16,7 @@ from wsgen.isolation import parent
 from wsgen.isolation.codec import decode
 from wsgen.isolation.result import Died, Limits
 from wsgen.templating.render import FAILING_TEMPLATE, render_tree
+from wsgen.templating.sources import templates_of
 from wsgen.templating.template import refuse
 from wsgen.text.values import dataclass
 
@@ -38,6 +42,8 @@ class RenderRequest:
     spec: PackageSpec
     template: Template
     seconds: float  # of CPU time, at most
+    added: Mapping[str, object]  # more names for the sources, as for `render_tree`
+    past: Path | None  # the templates of wsgen of then, if not those of now
 
 
 @dataclass(frozen=True)
@@ -52,24 +58,37 @@ class TooSlowError(TimeoutError):
     """A template exceeds its limit of time."""
 
 
-def render_package_apart(spec: PackageSpec, template: Template) -> RenderedTree:
+def render_package_apart(
+    spec: PackageSpec,
+    template: Template,
+    added: Mapping[str, object] = MappingProxyType({}),
+    past: Path | None = None,
+) -> RenderedTree:
     """Render all files of a package, as `render_package` does.
+
+    `past` has the templates of wsgen of then, if not those of now.
 
     Raises:
         BrokenTemplateError: a file cannot be rendered, or not be written.
     """
-    tree, diagnostics = render_tree_apart(spec, template)
+    tree, diagnostics = render_tree_apart(spec, template, added=added, past=past)
     refuse(diagnostics, template.folder)
     return tree
 
 
-def render_tree_apart(
-    spec: PackageSpec, template: Template, *, run: Run = parent.run, seconds: float = SECONDS
+def render_tree_apart(  # noqa: PLR0913  the last two are rare
+    spec: PackageSpec,
+    template: Template,
+    *,
+    run: Run = parent.run,
+    seconds: float = SECONDS,
+    added: Mapping[str, object] = MappingProxyType({}),
+    past: Path | None = None,
 ) -> tuple[RenderedTree, tuple[Diagnostic, ...]]:
     """Render the files as far as possible, and report the mistakes in the template."""
     answer = run(
         "wsgen.templating.render_apart:render_here",
-        RenderRequest(spec, template, seconds),
+        RenderRequest(spec, template, seconds, dict(added), past),
         limits=Limits(seconds=seconds + SPARE_SECONDS, memory=MEMORY),
     )
     if isinstance(answer, Died):
@@ -94,7 +113,8 @@ def render_here(request: RenderRequest) -> Rendered:
     if has_timer:
         signal.signal(signal.SIGPROF, stop)
         signal.setitimer(signal.ITIMER_PROF, request.seconds)
-    tree, diagnostics = render_tree(request.spec, request.template)
+    with templates_of(request.past):
+        tree, diagnostics = render_tree(request.spec, request.template, added=request.added)
     if has_timer:
         signal.setitimer(signal.ITIMER_PROF, 0)
     return Rendered(tree, tuple(diagnostics))

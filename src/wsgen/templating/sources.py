@@ -7,11 +7,34 @@ its path below the template's folder. Sources outside of these folders have no n
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from wsgen.errors import NotFoundError
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
 _PACKAGE = Path(__file__).parent.parent
+_past: Path | None = None
+
+
+@contextmanager
+def templates_of(past: Path | None) -> Iterator[None]:
+    """Have the templates in a folder be those of wsgen inside; None: those of now."""
+    global _past  # noqa: PLW0603  sources name each other by `wsgen:` alone
+    before, _past = _past, past
+    try:
+        yield
+    finally:
+        _past = before
+
+
+def is_past() -> bool:
+    """Whether the templates are not those of now."""
+    return _past is not None
 
 
 def templates_folder() -> Path:
@@ -20,6 +43,8 @@ def templates_folder() -> Path:
     Raises:
         NotFoundError: neither exists.
     """
+    if _past is not None:
+        return _past
     for folder in (_PACKAGE / "_templates", _PACKAGE.parent.parent / "templates"):
         if folder.is_dir():
             return folder

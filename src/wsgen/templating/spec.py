@@ -193,7 +193,7 @@ def make_spec(  # noqa: PLR0913  the words of the request, all by keyword
     Raises:
         RequestError: for the first mistake, with a valid value.
     """
-    _check_target(template, target)
+    check_target(template, target)
     answers = resolve_answers(template.variables, settings, template.name)
     dependencies = template.dependencies(target, answers)
     _check_name(name, dependencies)
@@ -209,7 +209,12 @@ def make_spec(  # noqa: PLR0913  the words of the request, all by keyword
     )
 
 
-def _check_target(template: Template, target: Target) -> None:
+def check_target(template: Template, target: Target) -> None:
+    """Refuse a target that a template is not made for.
+
+    Raises:
+        RequestError: it is not; names the nearest one.
+    """
     if target not in template.targets:
         same = (one for one in template.targets if one.distro == target.distro)
         nearest = next(same, template.targets[-1])

@@ -394,6 +394,7 @@ class Template(NamedTuple):
     tables: Mapping[str, dict[str, Any]]  # of the variables, as written
     variables: Mapping[str, Variable]
     parts: tuple[Part, ...]  # inherited ones first
+    shipped: tuple[str, ...] = ()  # templates of wsgen: itself, and those that are extended
 
     def sources(self, target: Target, answers: Mapping[str, Answer]) -> dict[str, str]:
         """Pattern of the path in the package -> name of the source, as in `sources`."""
@@ -529,6 +530,7 @@ def _read(manifest: ManifestFile, name: str, *, is_shipped: bool) -> Template:
         tables=tables,
         variables=variables,
         parts=(*(base.parts if base else ()), *parts),
+        shipped=(*([name] if is_shipped else []), *(base.shipped if base else ())),
     )
 
 

@@ -38,7 +38,15 @@ def load(file: Path) -> dict[str, Any]:
         OSError: the file cannot be read.
         ValueError: it is not TOML, or not UTF-8; the message says where.
     """
-    text = read_regular_text(file, SIZE_LIMIT)
+    return parse(read_regular_text(file, SIZE_LIMIT))
+
+
+def parse(text: str) -> dict[str, Any]:
+    """Read the document of a text.
+
+    Raises:
+        ValueError: it is not TOML; the message says where.
+    """
     if DEEP.search(text):
         raise ValueError("Nested too deeply")
     try:
