@@ -70,6 +70,21 @@ def test_nothing_is_half_written(
     assert state(root) == before
 
 
+@pytest.mark.slow
+def test_what_is_reported_then_is_taken_back(
+    root: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A world for the simulator that the package does not start, and one for that."""
+    before = state(root)
+    assert run(["add", "world", "field", "--sim", "gz", "--check"]) == 1
+    out = capsys.readouterr().out
+    assert out.startswith("Nothing is added: wsgen check would then report this, too.")
+    assert "but Gazebo Classic loads this world" in out
+    assert state(root) == before
+    assert run(["add", "world", "field", "--check"]) == 0
+    assert state(root) != before
+
+
 @pytest.mark.parametrize(
     ("words", "code", "says"),
     [

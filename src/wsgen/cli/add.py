@@ -37,6 +37,9 @@ _SHARED: tuple[Callable[[Any], Any], ...] = (
     ),
     click.option("--diff", is_flag=True, help="Show what would be added; write nothing."),
     click.option("--force", is_flag=True, help="Write also over what git cannot take back."),
+    click.option(
+        "--check", is_flag=True, help="Take it back if `wsgen check` then reports more than before."
+    ),
     click.option("-q", "--quiet", is_flag=True, help="Print only what is left to you."),
 )
 
@@ -184,6 +187,46 @@ def add_world(name: str, **shared: Any) -> int:
     return _add(lambda addition: add_world(addition, name), **shared)
 
 
+@command.command("sensor")
+@click.argument("name")
+@click.option(
+    "--kind",
+    type=Choice(("lidar", "camera", "depth", "imu", "gps", "contact"), meant={"laser": "lidar"}),
+    required=True,
+    help="Kind of the sensor.",
+)
+@click.option("--link", metavar="LINK", required=True, help="Link that carries it.")
+@click.option("--robot", metavar="FILE", help="File of the robot.  [default: the only one]")
+@_shared
+def add_sensor(name: str, *, kind: str, link: str, robot: str | None, **shared: Any) -> int:
+    """Add a sensor to the robot, with what simulates it and bridges its topics."""
+    from wsgen.porting.adding import sensors
+
+    options = sensors.SensorOptions(kind, link, robot)
+    return _add(lambda addition: sensors.add_sensor(addition, name, options), **shared)
+
+
+@command.command("controller")
+@click.argument("name")
+@click.option(
+    "--kind",
+    type=Choice(("position", "velocity", "effort", "broadcaster")),
+    required=True,
+    help="What it commands; `broadcaster` publishes the joint states.",
+)
+@_repeated("--joint", "JOINT", "Joint that it moves")
+@click.option("--robot", metavar="FILE", help="File of the robot.  [default: the only one]")
+@_shared
+def add_controller(
+    name: str, *, kind: str, joint: tuple[str, ...], robot: str | None, **shared: Any
+) -> int:
+    """Add a controller of ros2_control: parameters, interfaces of its joints, and spawner."""
+    from wsgen.porting.adding import controllers
+
+    options = controllers.ControllerOptions(kind, joint, robot)
+    return _add(lambda addition: controllers.add_controller(addition, name, options), **shared)
+
+
 @command.command("parameter")
 @click.argument("given", metavar="NAME:=VALUE")
 @click.option("--node", metavar="NAME", help="Node that has it.  [default: the only one]")
@@ -204,13 +247,12 @@ def _add(
     sim: str | None,
     diff: bool,
     force: bool,
+    check: bool,
     quiet: bool,
 ) -> int:
     """Open the package, add to it, and write or show what changes; gives the exit code."""
     import os
 
-    from wsgen.cli.words import short_name
-    from wsgen.porting.adding.addition import write_addition
     from wsgen.porting.adding.opening import open_addition
     from wsgen.porting.write import refuse_unsaved
 
@@ -224,10 +266,8 @@ def _add(
     elif plan.files or plan.created:
         if not force:
             refuse_unsaved([addition.folder], "what is added", [one.file for one in plan.files])
-        created = {file for file, _ in plan.created}
-        for file in write_addition(plan):
-            if not quiet:
-                echo(f"{'Created' if file in created else 'Changed'} {short_name(file)}", err=True)
+        if not _write(addition, plan, with_check=check, quiet=quiet):
+            return EXIT_FAILED
     for line in _left(plan):
         echo(line, err=diff)
     for line in () if quiet else _said(plan, addition.name):
@@ -236,6 +276,25 @@ def _add(
         echo_next("Next: wsgen check  (then wsgen build)")
     is_useless = plan.pasted and not (plan.files or plan.created)
     return EXIT_FAILED if is_useless else EXIT_PASSED
+
+
+def _write(addition: Addition, plan: AddPlan, *, with_check: bool, quiet: bool) -> bool:
+    """Write what is added; with a check, take it back if more is reported. Whether it stays."""
+    from wsgen.cli.words import short_name
+    from wsgen.porting.adding.addition import write_addition
+    from wsgen.porting.adding.proof import Reported
+
+    reported = Reported(addition) if with_check else None
+    written, stays = write_addition(plan, reported.is_as_before if reported else lambda: True)
+    created = {file for file, _ in plan.created}
+    for file in () if quiet or not stays else written:
+        echo(f"{'Created' if file in created else 'Changed'} {short_name(file)}", err=True)
+    if reported is not None and not stays:
+        from wsgen.reporting.words import render_text
+
+        echo("Nothing is added: wsgen check would then report this, too.")
+        echo(render_text(reported.more))
+    return stays
 
 
 def _said(plan: AddPlan, package: str) -> Iterator[str]:

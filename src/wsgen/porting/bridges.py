@@ -111,9 +111,9 @@ class BridgeWriter:
         first, *others = parted(rows)
         arguments = [*dict.fromkeys([*([CLOCK] if with_clock else []), *map(option, first)])]
         program = (BRIDGE_PACKAGE, BRIDGE)
-        if self._add(beside, program, arguments, renamed(first)):
+        if self.add_beside(beside, program, arguments, renamed(first)):
             for part in others:
-                self._add(beside, program, [*map(option, part)], renamed(part))
+                self.add_beside(beside, program, [*map(option, part)], renamed(part))
             return True
         self.file.leave(
             beside[0],
@@ -128,16 +128,17 @@ class BridgeWriter:
         `sim_time` is the Python of the parameter `use_sim_time`.
         """
         topics = {"/cmd_vel_in": stamper.source, "/cmd_vel_out": stamper.target}
-        return self._add([beside], (STAMPER, STAMPER), (), topics, sim_time)
+        return self.add_beside([beside], (STAMPER, STAMPER), (), topics, sim_time)
 
-    def _add(
+    def add_beside(
         self,
         beside: Sequence[ast.Call],
         program: tuple[str, str],
         arguments: Sequence[str],
-        renamed: Mapping[str, str],
+        renamed: Mapping[str, str] = MappingProxyType({}),
         sim_time: str | None = None,
     ) -> bool:
+        """Start a program with these arguments beside actions; whether it could be done."""
         places = next((found for one in beside if (found := [*self._places(one)])), [])
         for place, indent, form in places:
             inner, quoted = f"{indent}    ", self.file.quoted

@@ -122,7 +122,7 @@ def port_manifest(  # noqa: PLR0913  three have defaults
     )
     edits += declare(source, [("exec_depend", name) for name in missing], gone=gone)
     if has_models:
-        edits += _searched(source, top)
+        edits += search_models(source, top)
     return FilePort(
         edits=tuple(edits), unported=tuple(_unported(source, declared, target, workspace, user))
     )
@@ -175,7 +175,7 @@ def rename_dependencies(
     return edits, gone
 
 
-def _searched(source: SourceText, top: list[Tag]) -> list[Edit]:
+def search_models(source: SourceText, top: list[Tag]) -> list[Edit]:
     """Have Gazebo look for models in the folder that the package is installed into."""
     tags = read_tags(source.text)
     for export in top:

@@ -124,7 +124,7 @@ def _port_world(port: Porter, world: Node, systems: Collection[str], *, are_call
     needed = {*systems}
     for plugin in world.children("plugin"):
         needed |= _port_plugin(port, plugin, are_called=are_called)
-    _load(port, world, needed)
+    load_systems(port, world, needed)
     for include in world.children("include"):
         name = include.value("uri").strip("/").removeprefix("model://")
         if name == "sun":
@@ -148,7 +148,7 @@ def _port_world(port: Porter, world: Node, systems: Collection[str], *, are_call
         )
 
 
-def _load(port: Porter, world: Node, needed: Collection[str]) -> None:
+def load_systems(port: Porter, world: Node, needed: Collection[str]) -> None:
     """Have a world load systems: all that worlds have by default, where it loads none.
 
     One that loads some, and lacks what robots need, must have that which spawns them.

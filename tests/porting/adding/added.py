@@ -52,11 +52,15 @@ def opened(place: Path, distro: str | None = None, simulator: str | None = None)
 
 
 def added(
-    place: Path, add: Callable[[Addition], object], distro: str | None = None
+    place: Path,
+    add: Callable[[Addition], object],
+    distro: str | None = None,
+    grows: str = "",
 ) -> tuple[AddPlan, dict[str, list[str]]]:
     """Add to a package, write it, and add again, which changes nothing.
 
-    Gives also the lines that each file of before has more; none of them has lost any.
+    Gives also the lines that each file of before has more; none of them has lost any, but in the
+    file in which a line `grows` none of them has lost a character.
     """
     addition = opened(place, distro)
     add(addition)
@@ -68,10 +72,13 @@ def added(
     lines = {}
     for fix in plan.files:
         before, after = fix.before.splitlines(), fix.after.splitlines()
-        rest = iter(after)
-        assert all(line in rest for line in before), f"{fix.file} lost a line"
+        path = fix.file.relative_to(place).as_posix()
+        is_grown = path == grows
+        rest = iter(fix.after if is_grown else after)
+        assert all(one in rest for one in (fix.before if is_grown else before)), f"{path} lost one"
         new = list(after)
         for line in before:
-            new.remove(line)
-        lines[fix.file.relative_to(place).as_posix()] = [one.strip() for one in new if one.strip()]
+            if line in new:
+                new.remove(line)
+        lines[path] = [one.strip() for one in new if one.strip()]
     return plan, lines

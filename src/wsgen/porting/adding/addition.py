@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from wsgen.checks.fixes.manifests import declare, text_of, top_of
 from wsgen.checks.fixes.plan import FileFix, is_whole
 from wsgen.checks.fixes.source import SourceText, apply, read_source
-from wsgen.errors import NotReadableError, WsgenError
+from wsgen.errors import NotReadableError
 from wsgen.isolation.parent import make_scratch
 from wsgen.packages.build_files.facts import UNSEEN_FOLDERS, read_build_facts
 from wsgen.packages.workspace.manifest import RUN_TAGS
@@ -20,7 +20,7 @@ from wsgen.templating.render import render_source
 from wsgen.text.files import write_file
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Callable, Iterable, Iterator, Mapping
 
     from wsgen.checks.fixes.source import Edit
     from wsgen.model.build_facts import BuildFacts, Executable
@@ -129,16 +129,17 @@ class Addition:
         if os.path.lexists(file):
             self._kept.append(file)
         elif file not in self._created:
-            text = render_source(
-                f"wsgen:added/{template}.j2",
-                package=SimpleNamespace(name=self.name, target=self.target),
-                **names,
-            )
+            text = self.render(template, **names)
             # A shebang with another line end is not found.
             self._created[file] = text if runs else text.replace("\n", self.newline)
             if runs:
                 self._programs.append(file)
         return file
+
+    def render(self, template: str, **names: Any) -> str:
+        """The text of a template."""
+        package = SimpleNamespace(name=self.name, target=self.target)
+        return render_source(f"wsgen:added/{template}.j2", package=package, **names)
 
     def paste(self, file: Path, text: str, where: str) -> None:
         """List what is left to the author."""
@@ -163,21 +164,12 @@ class Addition:
                 declared.setdefault(text_of(source, one), set()).add(one.name)
         _, before = top_of(self._before[file])
         used = {one.name for one in before}  # as the author writes them
-        wanted = []
-        for name in dict.fromkeys(names):
-            tags = declared.get(name, set())
-            instead = tag
-            if name == self.name or "depend" in tags or tag in tags:
-                continue
-            if tag in {"exec_depend", "test_depend"} and tags & {*RUN_TAGS}:
-                continue
-            if tag == "buildtool_depend" and "build_depend" in tags:
-                continue
-            if tag == "exec_depend" and "exec_depend" not in used and "depend" in used:
-                instead = "depend"
-            if tag == "depend" and "exec_depend" in tags:
-                instead = "build_depend"
-            wanted.append((instead, name))
+        wanted = [
+            (instead, name)
+            for name in dict.fromkeys(names)
+            if name != self.name
+            and (instead := _lacking_tag(tag, declared.get(name, set()), used)) is not None
+        ]
         if wanted and not self.edit(file, declare(source, wanted)):
             lines = [f"<{one}>{name}</{one}>" for one, name in wanted]
             self.paste(file, "\n".join(lines), "Add the dependencies to <package>.")
@@ -250,29 +242,61 @@ class Addition:
         )
 
 
-def write_addition(plan: AddPlan) -> list[Path]:
-    """Write all files, or none.
+def _lacking_tag(tag: str, tags: set[str], used: set[str]) -> str | None:
+    """The tag by which a dependency is to be declared; None: it is, for the same.
+
+    Args:
+        tag: That is wanted.
+        tags: By which it is declared.
+        used: All tags that the author writes.
+    """
+    if "depend" in tags or tag in tags:
+        return None
+    if tag == "depend":
+        lacking = [
+            one
+            for one, same in (("build_depend", {"build_depend"}), ("exec_depend", {*RUN_TAGS}))
+            if not same & tags
+        ]
+        return tag if len(lacking) > 1 else lacking[0] if lacking else None
+    if tag in {"exec_depend", "test_depend"} and tags & {*RUN_TAGS}:
+        return None
+    if tag == "buildtool_depend" and "build_depend" in tags:
+        return None
+    is_whole = tag == "exec_depend" and "exec_depend" not in used and "depend" in used
+    return "depend" if is_whole else tag
+
+
+def write_addition(
+    plan: AddPlan, proves: Callable[[], bool] = lambda: True
+) -> tuple[list[Path], bool]:
+    """Write all files, or none; gives those that are written, and whether they stay.
+
+    Args:
+        plan: What is written.
+        proves: Is called when all is written; where it is not so, all is taken back.
 
     Raises:
         NotReadableError: A file cannot be written; those before it are as they were.
     """
     before = {one.file: one.file.read_bytes() for one in plan.files}
     written: list[Path] = []
+    stays = False
     try:
         for file in write_port(plan):
             written.append(file)
             if file in plan.programs:
                 file.chmod(file.stat().st_mode | 0o111)
-    except (WsgenError, OSError) as error:
-        for file in written:
-            if file in before:
-                write_file(file, before[file])
-            else:
-                file.unlink(missing_ok=True)
-        if isinstance(error, WsgenError):
-            raise
+        stays = proves()
+    except OSError as error:
         raise NotReadableError(
             f"{error.filename} cannot be written: {error.strerror}.",
             hint="Check its folder (ls -ld); nothing has changed.",
         ) from error
-    return written
+    finally:
+        for file in () if stays else written:
+            if file in before:
+                write_file(file, before[file])
+            else:
+                file.unlink(missing_ok=True)
+    return written, stays

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence  # noqa: TC003  a NamedTuple
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.checks.fixes.manifests import top_of
 from wsgen.checks.fixes.source import Edit
 from wsgen.errors import RequestError
+from wsgen.porting.adding.addition import MANIFEST
 from wsgen.porting.adding.cmake import CMake, is_path
 from wsgen.porting.adding.places import Item, insert_above, insert_among, insert_below
 from wsgen.porting.adding.types import check_type_name, read_fields
@@ -72,6 +74,14 @@ def add_interface(
                 hint="Add it to another package with --to, or create one: "
                 f"ros2 pkg create {own}_interfaces --build-type ament_cmake",
             )
+    root, _ = top_of(addition.require(addition.folder / MANIFEST))
+    written = root.attributes.get("format") if root else None
+    if written is None or written.text in {"1", "2"}:
+        raise RequestError(
+            f"package.xml of {own} has the format {written.text if written else 1}, and a "
+            f"{kind.word} needs `<member_of_group>` of format 3.",
+            hint='Write <package format="3"> first.',
+        )
     fields = [
         read_fields(words, option, addition)
         for option, words in zip(kind.options, parts, strict=True)

@@ -6,14 +6,23 @@ import re
 from collections.abc import Sequence  # noqa: TC003  a NamedTuple
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.checks.fixes.manifests import top_of
 from wsgen.errors import NotFoundError, RequestError
 from wsgen.model.target import CLASSIC
 from wsgen.packages.workspace.layout import BUILD_MARKERS, LAUNCH_FILES
+from wsgen.porting.adding.addition import MANIFEST
 from wsgen.porting.adding.installing import share
-from wsgen.porting.adding.robots import required_file, robot_file, spawn_height
+from wsgen.porting.adding.robots import (
+    bridge_files,
+    read_robot,
+    required_file,
+    robot_file,
+    spawn_height,
+)
 from wsgen.porting.adding.types import check_name
 from wsgen.porting.adding.worlds import add_world, worlds_of
-from wsgen.text.files import list_files, read_or_empty
+from wsgen.porting.manifests import search_models
+from wsgen.text.files import list_files
 from wsgen.text.suggestions import ask_for_nearest
 
 if TYPE_CHECKING:
@@ -60,6 +69,7 @@ def add_launch(addition: Addition, name: str, options: LaunchOptions) -> None:
             file = _for_rviz(addition, path, robot)
             packages += ["joint_state_publisher_gui", "rviz2"]
         else:
+            _find_models(addition, robot)
             file = _for_simulator(addition, path, robot, options.world)
             programs = addition.target.programs
             packages += [programs["package"], *filter(None, [programs.get("bridge_package")])]
@@ -84,6 +94,14 @@ def _for_rviz(addition: Addition, path: str, robot: Path) -> Path:
     )
 
 
+def _find_models(addition: Addition, robot: Path) -> None:
+    """Have Gazebo find meshes by `package://` and `model://`."""
+    text, _ = read_robot(addition, robot)
+    if re.search(rf"(?:package|model)://{re.escape(addition.name)}/", text):
+        manifest = addition.require(addition.folder / MANIFEST)
+        addition.edit(manifest.file, search_models(manifest, top_of(manifest)[1]))
+
+
 def _for_simulator(addition: Addition, path: str, robot: Path, given: str | None) -> Path:
     worlds = [required_file(addition, given)] if given else worlds_of(addition)
     world = worlds[0] if worlds else add_world(addition, "empty_world")
@@ -101,12 +119,6 @@ def _for_simulator(addition: Addition, path: str, robot: Path, given: str | None
         height=spawn_height(addition, robot),
         bridge_file=_parts(addition, bridge[0]) if bridge else "",
     )
-
-
-def bridge_files(addition: Addition) -> list[Path]:
-    """The files with the topics of a bridge."""
-    files = list_files(addition.folder, (".yaml", ".yml"), markers=BUILD_MARKERS)
-    return sorted(one for one in files if "gz_topic_name" in read_or_empty(one))
 
 
 def _included(addition: Addition, given: str) -> tuple[str, str, str]:

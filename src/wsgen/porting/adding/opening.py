@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from wsgen.errors import NotFoundError, RequestError
 from wsgen.model.target import CLASSIC, DISTROS_WITH_CLASSIC, SIM, choose_target
 from wsgen.packages.workspace.layout import (
+    BUILD_MARKERS,
     Workspace,
     current_folder,
     find_packages,
@@ -20,7 +21,7 @@ from wsgen.packages.workspace.layout import (
 from wsgen.packages.workspace.settings import FILE as SETTINGS
 from wsgen.packages.workspace.settings import read_settings
 from wsgen.porting.adding.addition import Addition
-from wsgen.text.files import read_or_empty
+from wsgen.text.files import list_files, read_or_empty
 from wsgen.text.suggestions import ask_for_nearest, some_of
 
 if TYPE_CHECKING:
@@ -33,6 +34,13 @@ _OF_SIMULATORS = {
     CLASSIC: re.compile(r">\s*(?:gazebo_ros\w*|gazebo_plugins|gazebo_ros2_control)\s*<"),
     SIM: re.compile(r">\s*(?:ros_(?:gz|ign)\w*|(?:gz|ign)_ros2_control)\s*<"),
 }
+OF_FILES = {
+    CLASSIC: re.compile(r"\blibgazebo_ros|['\"]gazebo_ros['\"]|spawn_entity\.py"),
+    SIM: re.compile(
+        r"\b(?:gz|ign)(?:-sim|ition-gazebo|_ros2_control)-\w|['\"]ros_(?:gz|ign)_\w+['\"]"
+    ),
+}
+_SIMULATED = (".py", ".xml", ".xacro", ".urdf", ".gazebo", ".sdf", ".world")
 NEWEST_LASTING = "jazzy"  # where nothing says the distribution
 _BUILT = ("ament_cmake", "ament_python")
 
@@ -127,9 +135,15 @@ def _simulator(package: PackageFolder, packages: Iterable[PackageFolder]) -> str
     )
     if recorded is not None and recorded[1] in _OF_SIMULATORS:
         return recorded[1]
-    for one in (package, *packages):
-        text = read_or_empty(one.path / "package.xml")
-        found = [name for name, pattern in _OF_SIMULATORS.items() if pattern.search(text)]
+    files = list_files(package.path, _SIMULATED, markers=BUILD_MARKERS)
+    places = [
+        ([package.path / "package.xml"], _OF_SIMULATORS),
+        (files, OF_FILES),
+        *(([one.path / "package.xml"], _OF_SIMULATORS) for one in packages),
+    ]
+    for paths, patterns in places:
+        texts = [*map(read_or_empty, paths)]
+        found = [name for name, one in patterns.items() if any(map(one.search, texts))]
         if found:
             return found[-1]  # a package of both has been ported
     return None

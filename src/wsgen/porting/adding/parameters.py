@@ -16,7 +16,7 @@ from wsgen.text.files import list_files
 from wsgen.text.suggestions import ask_for_nearest
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
     from wsgen.checks.fixes.source import Edit, SourceText
@@ -26,6 +26,11 @@ _CPP = (".cpp", ".cc", ".cxx", ".hpp", ".h")
 _OF_CPP = re.compile(r"[:,]\s*(?:rclcpp(?:_lifecycle)?::)?(?:Lifecycle)?Node\(\s*\"(\w+)\"")
 _DECLARED_IN_CPP = re.compile(
     r"(?m)^([ \t]*)(?:this->)?(?:\w+\s*=\s*)?(?:this->)?declare_parameter\b[^;]*;"
+)
+# The body of a constructor, on lines of its own.
+_CONSTRUCTOR = re.compile(
+    r"Node\(\s*\"\w+\"[^(){}]*(?:\([^(){}]*\)[^(){}]*)*\)(?:\s*,\s*\w+\s*[({][^(){}]*[)}])*\s*\{"
+    r"[ \t]*(?=\r?\n)"
 )
 _PARAMETERS = "ros__parameters"
 _DECLARE, _DECLARE_ALL = "declare_parameter", "declare_parameters"
@@ -56,7 +61,9 @@ def add_parameter(addition: Addition, given: str, node: str | None) -> None:
     settings = [
         file
         for file in sorted(list_files(addition.folder, (".yaml", ".yml"), markers=BUILD_MARKERS))
-        if _set_in_yaml(addition, file, name, parameter)
+        if insert_in_node(
+            addition, file, name, parameter.name, [f"{parameter.name}: {parameter.yaml}"]
+        )
     ]
     if name not in nodes and not settings:
         raise NotFoundError(
@@ -86,8 +93,13 @@ def _nodes(addition: Addition) -> Iterator[tuple[str, Path]]:
                     yield said.value, file
 
 
-def _set_in_yaml(addition: Addition, file: Path, node: str, parameter: Parameter) -> bool:
-    """Set a parameter where a file sets those of its node; whether it does."""
+def insert_in_node(
+    addition: Addition, file: Path, node: str, key: str, lines: Sequence[str]
+) -> bool:
+    """Insert lines where a file sets parameters of a node, unless it sets this one.
+
+    Whether it sets any.
+    """
     source = addition.source(file)
     if source is None:
         return False
@@ -112,8 +124,8 @@ def _set_in_yaml(addition: Addition, file: Path, node: str, parameter: Parameter
         if line[1] == indent:
             keys.append(line[2].partition(":")[0].strip("\"' "))
         last = found.end() + line.end(2)
-    if parameter.name not in keys:
-        text = f"{indent}{parameter.name}: {parameter.yaml}"
+    if key not in keys:
+        text = "\n".join(f"{indent}{line}" for line in lines)
         addition.edit(file, [insert_below(source, last, text)])
     return True
 
@@ -181,4 +193,10 @@ def _declare_in_cpp(addition: Addition, file: Path, parameter: Parameter) -> Non
         line = f"{found[-1][1]}{prefix}{text}"
         if addition.edit(file, [insert_below(source, found[-1].end(), line)]):
             return
+    opened = _CONSTRUCTOR.search(source.text)
+    if opened and addition.edit(
+        file,
+        [insert_below(source, opened.end() - 1, f"{source.indent_at(opened.end() - 1)}  {text}")],
+    ):
+        return
     addition.paste(file, text, "Add it to the constructor of the node.")

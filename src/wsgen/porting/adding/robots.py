@@ -87,3 +87,9 @@ def spawn_height(addition: Addition, file: Path) -> str:
     lowest = None if robot is None else lowest_point(lump(robot)[0], IDENTITY)
     height = 0.0 if lowest is None else max(0.0, _CLEARANCE - lowest)
     return f"{height:.3f}".rstrip("0").ljust(3, "0")
+
+
+def bridge_files(addition: Addition) -> list[Path]:
+    """The files with the topics of a bridge."""
+    files = list_files(addition.folder, (".yaml", ".yml"), markers=BUILD_MARKERS)
+    return sorted(one for one in files if "gz_topic_name" in read_or_empty(one))
