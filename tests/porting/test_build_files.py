@@ -220,6 +220,13 @@ def test_folders_of_a_python_package(with_glob: bool) -> None:
     assert after == f"from glob import glob\n{SETUP}".replace("=[\n", f"=[\n{entry}\n")
 
 
+def test_a_folder_of_a_python_package_with_folders(tmp_path: Path) -> None:
+    """setup() refuses to install a folder as a file."""
+    (tmp_path / "worlds" / "room").mkdir(parents=True)
+    after, _ = ported(SETUP, ("worlds",), file=tmp_path / "setup.py")
+    assert "'/worlds', glob('worlds/*.*'))," in after
+
+
 def test_a_folder_that_is_installed() -> None:
     text = SETUP.replace("['package.xml']", "['worlds/a.world']")
     assert ported(text, ("worlds",), file=Path("/nowhere/setup.py"))[0] == text

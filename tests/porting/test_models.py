@@ -1268,3 +1268,67 @@ def test_wheels_that_a_macro_is_given(drive: str) -> None:
     after = apply(text, port.edits)
     assert after.count('<limit effort="3" velocity="1000"/>') == (2 if drive == "d" else 0)
     assert len(port.efforts) == (0 if drive == "d" else 1)
+
+
+_INERTIA = """<robot name="r">
+  <link name="${side}_wheel">
+    <inertial>
+      <mass value="1"/>
+      <inertia %s ixy="0" ixz="0" iyz="0"/>  <!-- measured -->
+    </inertial>
+  </link>
+</robot>
+"""
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        # A wheel turns about the axis of its largest moment as before.
+        ('ixx="2" iyy="2" izz="10"', 'ixx="5.000005" iyy="5.000005" izz="10"'),
+        ('ixx="1" iyy="9" izz="2"', 'ixx="4.0000045" iyy="9" izz="5.0000045"'),
+        # Gazebo Classic takes this for what is not positive.
+        ('ixx="1" iyy="0" izz="2"', 'ixx="1" iyy="1" izz="1"'),
+        ('ixx="1" iyy="2" izz="2.5"', 'ixx="1" iyy="2" izz="2.5"'),
+        ('ixx="${a}" iyy="2" izz="2.5"', 'ixx="${a}" iyy="2" izz="2.5"'),
+    ],
+)
+def test_inertias_that_gazebo_sim_refuses(before: str, after: str) -> None:
+    """They are what Gazebo Classic simulates, or near it."""
+    source = SourceText(FILE, _INERTIA % before)
+    assert port_model(source, JAZZY).edits == ()  # of links that are fixed to others
+    made = port_model(source, JAZZY, Robots(refused=frozenset({"left_wheel"})))
+    assert apply(source.text, made.edits) == _INERTIA % after
+    if before != after:
+        assert [one.is_note for one in made.unported] == [True]
+        again = SourceText(FILE, _INERTIA % after)
+        assert port_model(again, JAZZY, Robots(refused=frozenset({"left_wheel"}))).edits == ()
+
+
+def test_inertias_of_models_that_gazebo_sim_refuses() -> None:
+    text = (
+        '<sdf version="1.7"><model name="m"><link name="l"><inertial><mass>2</mass>'
+        "<inertia><ixx>1</ixx><iyy>5</iyy></inertia></inertial></link></model></sdf>"
+    )
+    raised = "<ixx>2.5000025</ixx><iyy>5</iyy><izz>2.5000025</izz>"
+    assert raised in re.sub(r">\s+<", "><", ported(text))
+    other = text.replace("<iyy>5</iyy>", "<iyy>2</iyy>")
+    assert ported(other) == other
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        (
+            '<mesh filename="a.stl" scale="0 1 0.0"/>',
+            '<mesh filename="a.stl" scale="0.001 1 0.001"/>',
+        ),
+        ("<mesh><scale>0 1 2</scale></mesh>", "<mesh><scale>0.001 1 2</scale></mesh>"),
+        ("<mesh><scale>-1 1 2</scale></mesh>", None),
+        ("<mesh><scale>${a} 1 2</scale></mesh>", None),
+        ("<state><scale>0 0 0</scale></state>", None),
+    ],
+)
+def test_meshes_without_a_thickness(before: str, after: str | None) -> None:
+    text = "<robot><link><visual><geometry>%s</geometry></visual></link></robot>"
+    assert ported(text % before) == text % (after or before)

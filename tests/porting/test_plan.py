@@ -331,6 +331,16 @@ def test_wheels_that_are_not_sure_are_left_to_the_author(
     assert "body.xacro" not in {one.file.name for one in planned.files}
 
 
+@pytest.mark.slow
+def test_programs_are_told_what_takes_the_place_of_their_messages(tmp_path: Path) -> None:
+    program = "from gazebo_msgs.srv import ApplyLinkWrench, GetEntityState\n"
+    package = _written(tmp_path / "split", DRIVE_ELSEWHERE | {"scripts/push.py": program})
+    left = next(one for one in plan(package).unported if one.file.name == "push.py")
+    assert left.what == "The program uses Gazebo Classic: `GetEntityState`, `ApplyLinkWrench`."
+    assert "/world/NAME/wrench" in left.advice
+    assert "/world/NAME/dynamic_pose/info" in left.advice
+
+
 IN_A_WORLD = {
     "package.xml": """<package format="3">
   <name>in_world</name>

@@ -32,6 +32,7 @@ _MAZE_WALL = Shape("box", (1.2, 0.01, 1.2), (0, 0.6, 0.6))
 _PARKING_BLOCK = Shape("box", (0.1609, 1.8041, 0.1016), (0, 0, 0.0508))
 _BLOCK_WALL = Shape("box", (1.5875, 0.1429, 0.7745), (-0.1475, 0, 0.078))
 _POSTBOX = Shape("box", (0.6818, 0.6849, 1.524), (0, 0, 0.762))
+_TIN = Shape("cylinder", (0.04, 0.028), (0, 0, 0.014))
 _DISK = Shape("cylinder", (0.15678, 0.0579), (0, 0, 0.02895))
 _ARM = Shape("box", (0.29824, 0.43206, 0.20367), (0, -0.12223, 0.101835))
 _VALVE_WALL = Shape("box", (1.2192, 0.00952, 2.4384), (0.6096, 0.00476, 1.2192))
@@ -54,6 +55,7 @@ PLAIN_MODELS = {
     "mud_box": PlainModel(Shape("box", (8, 10, 0.2))),
     "nist_maze_wall_120": PlainModel(_MAZE_WALL),
     "postbox": PlainModel(_POSTBOX),
+    "round_tin_base": PlainModel(_TIN, inertia=(0.0223, 1.931e-5, 1.931e-5, 3.568e-5)),
 }
 # Their meshes, which worlds that Gazebo Classic has saved name.
 PLAIN_MESHES = {
@@ -69,4 +71,5 @@ PLAIN_MESHES = {
     "drc_practice_yellow_parking_block/meshes/block.dae": _PARKING_BLOCK,
     "nist_maze_wall_120/meshes/nist_maze_wall_120.dae": _MAZE_WALL,
     "postbox/meshes/postbox.dae": _POSTBOX,
+    "round_tin_base/meshes/round_tin_base.dae": _TIN,
 }

@@ -218,6 +218,8 @@ WITHOUT_COUNTERPART = {
     "RayPlugin": ("does nothing but to have a sensor measure", "Leave it out."),
     "ContactPlugin": ("prints what a sensor touches", "Read the topic of the sensor."),
 }
+# Those of them that only people notice: they show or print something.
+TO_LOOK_AT = ("gazebo_ros_video", "LedPlugin", "RayPlugin", "ContactPlugin")
 # Those of ROS 1, and of others -> those of gazebo_plugins that do the same in ROS 2.
 AS_IN_ROS_2 = {
     "gazebo_ros_skid_steer_drive": "gazebo_ros_diff_drive",
@@ -296,6 +298,19 @@ SPECULARS = {
     **dict.fromkeys(("Gazebo/Wood", "Gazebo/Bricks"), 0.2),
     "Gazebo/Gold": 0.4,
     "Gazebo/Orange": 0.5,
+}
+
+
+# Messages and services of gazebo_msgs: what programs do instead in Gazebo Sim.
+_POSES = "Read poses from /world/NAME/dynamic_pose/info, bridged as tf2_msgs/msg/TFMessage."
+_SERVICES = "Call SpawnEntity, DeleteEntity and SetEntityPose of ros_gz_interfaces, bridged."
+INSTEAD_OF_MESSAGES = {
+    **dict.fromkeys(("GetEntityState", "GetModelList", "ModelStates", "LinkStates"), _POSES),
+    **dict.fromkeys(("SpawnEntity", "DeleteEntity", "SetEntityState"), _SERVICES),
+    "ApplyLinkWrench": "Publish ros_gz_interfaces/msg/EntityWrench, bridged to /world/NAME/wrench "
+    "of the system ApplyLinkWrench.",
+    "ApplyJointEffort": "Publish to the topic of the system ApplyJointForce of the joint.",
+    "ContactsState": "Read ros_gz_interfaces/msg/Contacts, bridged from the sensor.",
 }
 
 

@@ -385,7 +385,9 @@ def port_setup(source: SourceText, folders: Collection[str]) -> FilePort:
         call = "glob.glob" if imports_module and not imports_glob else "glob"
         name = _package_name(tree)
         place = f"'share/{name}/{folder}'" if name else f"'share/' + package_name + '/{folder}'"
-        edits += add_to_data_files(source, f"({place}, {call}('{folder}/*'))")
+        has_folders = any(one.is_dir() for one in (source.file.parent / folder).glob("*"))
+        files = "*.*" if has_folders else "*"  # data_files takes no folders
+        edits += add_to_data_files(source, f"({place}, {call}('{folder}/{files}'))")
     if edits and not (imports_glob or imports_module):
         edits.append(_import_of_glob(source, tree))
     return FilePort(edits=tuple(join_additions(edits)))

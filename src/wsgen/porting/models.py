@@ -7,22 +7,34 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.checks.fixes.source import SourceText
+from wsgen.descriptions.sdf.bodies import DEFAULT_INERTIAL, MOMENTS
 from wsgen.descriptions.sdf.textures import image_in, read_script
 from wsgen.gazebo.plugins import TWO_WHEELS, stem
 from wsgen.gazebo.successors import SPECULARS, TEXTURED
 from wsgen.model.facts import ROS2_CONTROL_HARDWARE
+from wsgen.model.inertia import LEAST_MOMENT, is_positive_definite, is_possible, made_possible
 from wsgen.model.robot import GAZEBO_AMBIENTS, GAZEBO_COLORS
 from wsgen.model.target import CLASSIC
 from wsgen.packages.workspace.layout import BUILD_MARKERS
 from wsgen.porting.plugins import port_plugin
-from wsgen.porting.porter import ClassicPlugin, Follower, Paint, Porter, number, without_computed
+from wsgen.porting.porter import (
+    ClassicPlugin,
+    Follower,
+    Paint,
+    Porter,
+    number,
+    values_in,
+    without_computed,
+    written,
+)
 from wsgen.porting.sensors import goes_with_sensor, port_sensor
 from wsgen.porting.xml_edits import COMPUTED, Block, read_nodes
 from wsgen.text.files import list_files
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
+    from wsgen.model.inertia import Six
     from wsgen.model.target import Target
     from wsgen.porting.ported import BridgeRow, FilePort
     from wsgen.porting.porter import Robots
@@ -34,6 +46,8 @@ _NOT_READ = ("road", "population", "state")  # by Gazebo Sim, whatever is in the
 _HARDWARE = rf"{re.escape(ROS2_CONTROL_HARDWARE[CLASSIC][1])}|ign_ros2_control/IgnitionSystem"
 _COMMENT_OR_HARDWARE = re.compile(rf"<!--.*?(?:-->|\Z)|\b({_HARDWARE})\b", re.DOTALL)
 _SPECULAR = 0.1
+_FLAT = "0.001"  # the scale of a mesh along an axis where it had none
+_DIAGONAL = (0, 3, 5)  # of six numbers of an inertia
 # The colors of OGRE that materials of SDF have, with those of a material that says nothing.
 _OGRE = {"ambient": "1 1 1 1", "diffuse": "1 1 1 1", "specular": "0 0 0 1", "emissive": ""}
 
@@ -128,15 +142,97 @@ def _port(
             holder = node.holder
             if holder is None or holder.name not in _ELSEWHERE:
                 port_plugin(port, node)
-        elif node.name == "material":
-            _port_material(port, node)
-        elif node.name == "joint" and node.is_in("ros2_control"):
-            _port_follower(port, node)
+        elif node.name in _ALONE:
+            _ALONE[node.name](port, node)
     for found in _COMMENT_OR_HARDWARE.finditer(source.text):
         if found[1]:
             port.editor.write(*found.span(1), target.ros2_control_hardware)
             port.packages.add(target.ros2_control_hardware.partition("/")[0])
     return port
+
+
+def _port_inertia(port: Porter, node: Node) -> None:
+    """Have a link be as in Gazebo Classic, with an inertia that Gazebo Sim takes.
+
+    Of a URDF, that of links which are fixed together is their sum: only those that Gazebo refuses
+    are changed.
+    """
+    link = next((one for one in node.ancestors() if one.name == "link"), None)
+    if link is None or node.parent is None:
+        return
+    is_sdf = node.is_in("sdf")
+    refused = port.robots.refused
+    if not is_sdf and all(values_in(link.get("name"), one) is None for one in refused):
+        return
+    usual = dict(zip(MOMENTS, map(written, DEFAULT_INERTIAL.inertia), strict=True))
+    texts = {
+        name: (node.value(name) or usual[name]) if is_sdf else node.get(name) for name in MOMENTS
+    }
+    six = tuple(map(number, texts.values()))
+    what = f"No body can have the inertia of the link `{link.get('name')}`, and Gazebo Sim refuses"
+    if None in six:
+        if not is_sdf:
+            advice = "Compute it from mass and shape, so that no moment exceeds the other two."
+            port.leave_once(node, f"{what} the robot.", advice)
+        return
+    mass = node.parent.value("mass")
+    if not is_sdf:
+        weight = node.parent.find("mass")
+        mass = weight.get("value") if weight is not None else ""
+    kept = _near(six)  # type: ignore[arg-type]
+    if kept == six or number(mass or "1") == 0:
+        return
+    for name, value in zip(MOMENTS, kept, strict=True):
+        text = written(value)
+        if float(text) != number(texts[name]):
+            if is_sdf:
+                port.editor.put(node, name, text)
+            else:
+                port.editor.set_attribute(node, name, text)
+    moments = ", ".join(written(kept[one]) for one in _DIAGONAL)
+    port.leave(
+        node,
+        f"{what} it: its moments are now {moments} kg m².",
+        "Compute it from mass and shape.",
+        is_note=True,
+    )
+
+
+def _port_scale(port: Porter, node: Node) -> None:
+    """Have a mesh that is flat be a little thick: Gazebo Sim refuses a size of 0."""
+    is_sdf = node.name == "scale"
+    texts = (node.text if is_sdf else node.get("scale")).split()
+    if all(number(one) != 0 for one in texts) or (is_sdf and not node.is_in("mesh")):
+        return
+    scale = " ".join(_FLAT if number(one) == 0 else one for one in texts)
+    if is_sdf:
+        port.editor.set_text(node, scale)
+    else:
+        port.editor.set_attribute(node, "scale", scale)
+    port.leave(
+        node,
+        f"The mesh had a size of 0, which Gazebo Sim refuses: its scale is {scale} now.",
+        "Give it the scale that is meant.",
+        is_note=True,
+    )
+
+
+def _near(six: Six) -> Six:
+    """The inertia itself, or one that a body can have and Gazebo Classic simulates in its place.
+
+    The largest moment stays where the axes are those of the link: wheels turn about it.
+    """
+    if is_possible(six):
+        return six
+    if not is_positive_definite(six):
+        return DEFAULT_INERTIAL.inertia
+    xx, xy, xz, yy, yz, zz = six
+    if any((xy, xz, yz)):
+        return made_possible(six)
+    low, middle, high = sorted((xx, yy, zz))
+    more = (high * (1 + LEAST_MOMENT) - low - middle) / 2
+    raised = [one if one == high else one + more for one in (xx, yy, zz)]
+    return (raised[0], 0.0, 0.0, raised[1], 0.0, raised[2])
 
 
 def _port_follower(port: Porter, joint: Node) -> None:
@@ -153,7 +249,7 @@ def _port_follower(port: Porter, joint: Node) -> None:
     name = without_computed(joint.get("name"))
     known = port.robots.followers.get(name)
     commands = [*joint.children("command_interface")]
-    if joint.get("mimic") or not (leader or known):
+    if joint.get("mimic") or not (leader or known) or not joint.is_in("ros2_control"):
         return
     if known is not None and not leader:
         others = next(one for one in joint.ancestors() if one.name == "ros2_control")
@@ -225,6 +321,15 @@ def _port_material(port: Porter, material: Node) -> None:
                 port.editor.remove(script)
         else:
             port.editor.comment_out(script)
+
+
+_ALONE: dict[str, Callable[[Porter, Node], None]] = {
+    "material": _port_material,
+    "joint": _port_follower,
+    "inertia": _port_inertia,
+    "mesh": _port_scale,
+    "scale": _port_scale,
+}
 
 
 def _colors(port: Porter, node: Node, name: str) -> list[Block]:

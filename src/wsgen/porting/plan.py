@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections import defaultdict
-from functools import cached_property
+from functools import cached_property, lru_cache
 from os.path import normcase
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -18,10 +18,11 @@ from wsgen.checks.fixes.plan import FileFix, is_whole
 from wsgen.checks.fixes.source import Edit, apply, overlap, read_source
 from wsgen.descriptions.sdf.models import read_sdf
 from wsgen.descriptions.urdf.devices import read_devices
-from wsgen.descriptions.urdf.lumping import lump
+from wsgen.descriptions.urdf.lumping import is_impossible, lump, parts_of_impossible_sums
 from wsgen.descriptions.urdf.reader import read_urdf
 from wsgen.descriptions.xacro.reader import written_elements
 from wsgen.gazebo.plugins import simulator_of, stem
+from wsgen.gazebo.successors import INSTEAD_OF_MESSAGES
 from wsgen.gazebo.systems import EMPTY_WORLD
 from wsgen.isolation.parent import make_scratch
 from wsgen.launching.spawner_options import SPAWN_ENTITY, read_options
@@ -52,9 +53,10 @@ from wsgen.porting.parameters import port_parameters
 from wsgen.porting.plugins import port_effort
 from wsgen.porting.ported import FilePort, Unported, joined
 from wsgen.porting.porter import MODEL, NAMESPACE, WORLD, Mounted, Porter, Robots
-from wsgen.porting.programs import port_program
+from wsgen.porting.programs import MESSAGES, port_program
 from wsgen.porting.worlds import model_names, new_world, port_world
 from wsgen.text.files import list_files, real_path, remembering
+from wsgen.text.suggestions import some_named
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
@@ -303,6 +305,7 @@ class _Launches:
                 for one in plugins_of(text)
                 if simulator_of(one[1]) == CLASSIC
             ),
+            refused=frozenset(one for text in spawns for one in _refused(text)),
             cars={
                 name: sizes
                 for text in (*spawns, *set().union(*self._worlds.values()))
@@ -402,11 +405,26 @@ class _Spawned(NamedTuple):
 
 def _mounted(description: str) -> Iterator[Mounted]:
     """The sensors of a URDF, on the links that Gazebo Classic has."""
-    written = read_urdf(description, file=None)[0] if "<sensor" in description else None
+    written = _robot(description) if "<sensor" in description else None
     if written is not None:
         lumped, _ = lump(written, for_classic=True)
         for one in read_devices(description, written, lumped).sensors:
             yield Mounted(one.name, one.frame, one.link)
+
+
+@lru_cache(maxsize=32)
+def _robot(description: str) -> Robot | None:
+    return read_urdf(description, file=None)[0]
+
+
+def _refused(description: str) -> Iterator[str]:
+    """The links of a URDF whose inertia Gazebo Sim refuses."""
+    robot = _robot(description)
+    links = () if robot is None else robot.links
+    found = [one.name for one in links if one.inertial and is_impossible(one.inertial)]
+    if robot is not None and found:
+        refused = parts_of_impossible_sums(robot)
+        yield from (name for name in found if name in refused)
 
 
 _CAR = "gazebo_ros_ackermann_drive"
@@ -424,7 +442,7 @@ def _cars(text: str) -> Iterator[tuple[str, tuple[float, ...]]]:
             Path("car.sdf"), find_model=lambda _: None, content=text, with_devices=True
         )
         read = [(one.robot, one.devices) for one in found.models]
-    elif _CAR in text and (written := read_urdf(text, file=None)[0]) is not None:
+    elif _CAR in text and (written := _robot(text)) is not None:
         lumped, _ = lump(written, for_classic=True)
         read = [(lumped, read_devices(text, written, lumped))]
     for robot, devices in read:
@@ -694,11 +712,15 @@ def _list_code(port: _Port) -> None:
             continue
         found = _OF_CLASSIC.search(source.text)
         if found is not None:
+            words = set(re.findall(r"\w+", source.text)) if MESSAGES in source.text else set()
+            named = [name for name in INSTEAD_OF_MESSAGES if name in words]
+            advice = " ".join(dict.fromkeys(INSTEAD_OF_MESSAGES[name] for name in named))
             unported = Unported(
                 source.file,
                 source.line_at(found.start()),
-                f"The program uses Gazebo Classic: `{found[0].strip()}`.",
-                "Write it for Gazebo Sim: docs/port.md says what takes the place of what.",
+                f"The program uses Gazebo Classic: {some_named(named or [found[0].strip()])}.",
+                advice
+                or "Write it for Gazebo Sim: docs/port.md says what takes the place of what.",
             )
             port.add(source, FilePort(unported=(unported,)))
 

@@ -14,6 +14,7 @@ from wsgen.gazebo.successors import (
     ODOMETRY,
     ODOMETRY_OF_WHEELS,
     ONLY_IN_ROS_1,
+    TO_LOOK_AT,
     WITHOUT_COUNTERPART,
 )
 from wsgen.gazebo.systems import CONTROL, is_of_gz, library_of
@@ -78,7 +79,7 @@ def port_plugin(port: Porter, node: Node) -> None:
     elif plugin.own_stem in WITHOUT_COUNTERPART:
         what, advice = WITHOUT_COUNTERPART[plugin.own_stem]
         text = f"`{plugin.filename}` {what}; Gazebo Sim does not load it."
-        port.leave(node, text, advice, is_note=plugin.own_stem in ONLY_IN_ROS_1)
+        port.leave(node, text, advice, is_note=plugin.own_stem in (*ONLY_IN_ROS_1, *TO_LOOK_AT))
         _take_out(port, node)
     elif simulator_of(plugin.filename) == CLASSIC or _is_library(node):
         port.leave(

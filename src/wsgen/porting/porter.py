@@ -67,6 +67,7 @@ class Robots(NamedTuple):
     paints: Mapping[str, list[Paint]] = MappingProxyType({})  # by name
     # What is in `MEASURED` (m) of cars of Gazebo Classic, by their <rear_right_joint>.
     cars: Mapping[str, Sequence[float]] = MappingProxyType({})
+    refused: frozenset[str] = frozenset()  # links of URDFs with an inertia that Gazebo Sim refuses
 
 
 # What `BridgeRow`s have for the names of a robot and its world, and for the namespace that the

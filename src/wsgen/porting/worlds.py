@@ -44,6 +44,7 @@ from wsgen.model.transform import (
 from wsgen.porting.models import colors
 from wsgen.porting.porter import Porter, number, written
 from wsgen.porting.xml_edits import Block
+from wsgen.text.suggestions import some_of
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping
@@ -280,7 +281,6 @@ def _port_physics(port: Porter, physics: Node) -> None:
 
 def _port_state(port: Porter, world: Node, state: Node) -> None:
     """Write the poses of a saved state into the models, as Gazebo Classic moves them there."""
-    moved = 0
     for kind in ("model", "light"):
         placed = {one.get("name"): one for one in world.children(kind)}
         placed |= {one.value("name"): one for one in world.children("include") if kind == "model"}
@@ -291,30 +291,30 @@ def _port_state(port: Porter, world: Node, state: Node) -> None:
             before = model.find("pose")
             if before is None:
                 port.editor.append(model, Block("pose", pose))
-            elif not before.get("frame") and not before.get("relative_to"):
+            elif not any(map(before.get, _FRAMES)):
                 port.editor.set_text(before, pose)
-            moved += 1
+            else:
+                what = f"The saved <state> has `{model.get('name')}` at `{pose}`."
+                port.leave(before, what, "Write it for the frame that the <pose> names.")
     port.editor.remove(state)
     models = {one.get("name"): one for one in world.children("model")}
     included = [one.value("name") for one in world.children("include")]
     # What a launch file had spawned is not in the world.
-    is_any = any(not one.value("name") for one in world.children("include"))
-    has_joints = any(
-        _is_bent(one, models.get(one.get("name")))
-        for one in state.children("model")
-        if is_any or any(name == one.get("name") for name in (*models, *included))
-    )
-    if not (moved or has_joints):
-        return
-    port.leave(
-        state,
-        "Gazebo Sim does not read <state>: it is gone, and the poses of "
-        f"{moved or 'no'} models and lights are written into them.",
-        "Set the positions of joints where models need them: they are not kept."
-        if has_joints
-        else "Check the places of the models.",
-        is_note=not has_joints,
-    )
+    is_any = not all(included)
+    saved_models = {one.get("name"): one for one in state.children("model")}
+    bent = [
+        name
+        for name, saved in saved_models.items()
+        if is_any or name in models or name in included
+        if _is_bent(saved, models.get(name))
+    ]
+    if bent:
+        port.leave(
+            state,
+            f"The <state> is gone, which had moved joints of {some_of(bent)}: Gazebo Sim does not "
+            "read it. The poses of models and lights are written into them.",
+            "Set the positions of the joints where models need them.",
+        )
 
 
 def _is_bent(saved: Node, model: Node | None) -> bool:
@@ -329,14 +329,15 @@ def _is_bent(saved: Node, model: Node | None) -> bool:
     base = _pose(saved.value("pose"))
     for link in links:
         name, place = link.get("name"), own.get(link.get("name"))
+        if name in spinning:
+            continue
         if name not in own or (place is not None and any(map(place.get, _FRAMES))):
             return True
         found, meant = _pose(link.value("pose")), _pose("" if place is None else place.text)
         if base is None or found is None or meant is None:
             return True
         there = compose(invert(base), found)
-        turned = 0.0 if name in spinning else angle_between(there, meant)
-        if math.dist(there.xyz, meant.xyz) > _MOVED or turned > _MOVED:
+        if math.dist(there.xyz, meant.xyz) > _MOVED or angle_between(there, meant) > _MOVED:
             return True
     return False
 
@@ -388,7 +389,10 @@ def _port_actor(port: Porter, actor: Node) -> None:
 def _port_address(port: Porter, uri: Node, models: Collection[str]) -> None:
     """Have Gazebo Sim find what Gazebo Classic has or downloads."""
     found = _MODEL.fullmatch(uri.text)
-    if uri.text.startswith("file://media/"):
+    shipped = uri.text.removeprefix("file://media/models/")
+    if shipped in MESHES_OF_ACTORS:
+        port.editor.set_text(uri, f"{ACTOR}{shipped}")
+    elif uri.text.startswith("file://media/"):
         port.leave_once(
             uri,
             f"`{uri.text}` is a file that Gazebo Classic ships.",
