@@ -316,3 +316,33 @@ def test_worlds_are_ported(tmp_path: Path, is_started: bool) -> None:
     assert all("names /nobody/has/this.dae, which does not exist" in one for one in listed)
     classic = source_of(tmp_path, found, target="humble")._replace(target=CLASSIC_TARGET)
     assert port_files(classic).files["worlds/a.world"] == tmp_path / "worlds" / "a.world"
+
+
+def test_paths_of_another_computer(tmp_path: Path) -> None:
+    files = {
+        "urdf/a.xacro": '<robot><xacro:include filename="/home/ada/ws/my_robot/urdf/b.xacro"/>'
+        '<xacro:include filename="/home/ada/ws/my_robot/urdf/gone.xacro"/></robot>',
+        "urdf/b.xacro": "<robot/>",
+    }
+    ported = port_files(source_of(tmp_path, files)._replace(name="new"))
+    text = str(ported.files["urdf/a.xacro"])
+    assert 'filename="$(find new)/urdf/b.xacro"' in text
+    assert 'filename="/home/ada/ws/my_robot/urdf/gone.xacro"' in text
+
+
+def test_plugins_of_what_is_kept_of_a_robot(tmp_path: Path) -> None:
+    """What a launch file starts of the robot besides has plugins of Gazebo Sim, too."""
+    files = {
+        "urdf/r.urdf": "<robot name='r'/>",
+        "xacro/more.xacro": '<robot><xacro:include filename="$(find my_robot)/urdf/r.urdf"/>'
+        '<gazebo><plugin name="joints" filename="libgazebo_ros_control.so"/></gazebo>'
+        '<gazebo reference="base"><sensor type="ray" name="laser"><ray/></sensor></gazebo></robot>',
+        "launch/a.launch": "<launch><param name='robot_description'"
+        " command='xacro $(find my_robot)/xacro/more.xacro'/></launch>",
+    }
+    ported = port_files(source_of(tmp_path, files)._replace(robot="urdf/r.urdf"))
+    text = str(ported.files["xacro/more.xacro"])
+    assert "libgazebo_ros_control.so" not in text
+    assert 'type="gpu_lidar"' in text
+    assert ported.systems == {"Sensors"}
+    assert any("ros_control of ROS 1" in one.what for one in ported.notes)

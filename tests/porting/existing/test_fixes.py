@@ -450,6 +450,54 @@ def test_a_mesh_that_is_missing(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert differing(said) == {"visuals": ["base"]}
 
 
+@pytest.mark.parametrize(
+    ("uri", "place"),
+    [
+        ("package://renamed/urdf/PART.stl", "meshes/part.STL"),
+        ("/home/ada/ws/src/r/visual/wheel.stl", "visual/wheel.stl"),
+        ("package:///wheel.stl", None),  # two that differ
+    ],
+)
+def test_a_mesh_that_is_elsewhere(
+    uri: str, place: str | None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A file of the source that is called as the mesh takes its place; with equal folders first."""
+    for number, name in enumerate(("meshes/part.STL", "visual/wheel.stl", "meshes/wheel.stl")):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_bytes(cube_stl(0.1 + 0.1 * number))
+    mesh = f'<visual><geometry><mesh filename="{uri}"/></geometry></visual>'
+    text = robot_of(base=INERTIAL + BOX + mesh)
+    if place is None:
+        assert new(text, tmp_path, "--fix") == 0
+        said = json.loads(capsys.readouterr().out)["robot"]
+        assert said["fixes"] == [f"Left out the visual of `base`: its mesh `{uri}` is missing."]
+        return
+    assert new(text, tmp_path) != 0
+    assert f"Or add --fix, which takes {tmp_path / place}." in capsys.readouterr().err
+    robot, said = fixed(text, tmp_path, capsys)
+    (fix,) = said["fixes"]
+    assert fix.endswith(f"for `{uri}`, which does not exist.")
+    assert differing(said) == {}
+    geometry = robot.link("base").visuals[0].geometry
+    assert isinstance(geometry, Mesh)
+    copy = tmp_path / "here" / "ws_gazebo" / "src" / geometry.uri.removeprefix("package://")
+    assert copy.read_bytes() == (tmp_path / place).read_bytes()
+
+
+def test_names_that_end_with_blanks(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = robot_of(f'<link name="arm ">{INERTIAL}{BOX}</link>', joint("arm "))
+    _, said = fixed(text, tmp_path, capsys)
+    assert said["fixes"] == ["Renamed the link `arm ` to `arm`."]
+
+
+def test_limits_are_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """What a check fixes says of which joint it is."""
+    swapped = '<limit lower="2" upper="1" effort="5" velocity="3"/>'
+    text = robot_of(f'<link name="arm">{INERTIAL}{BOX}</link>', joint("arm", limit=swapped))
+    _, said = fixed(text, tmp_path, capsys)
+    assert said["fixes"][0].startswith("`turn`: The lower limit 2 is above the upper limit 1.")
+
+
 def test_fixes_of_checks_are_made(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     more = '<origin xyz="0.1, 0, 0"/>'
     robot, said = fixed(

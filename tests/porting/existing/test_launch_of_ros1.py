@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -366,7 +367,8 @@ def test_the_simulator_of_gazebo_sim(package: Any) -> None:
         '  <arg name="world_name" value="$(find my_robot)/worlds/a.world"/>\n</include>\n'
         f"{DESCRIBED}\n{PUBLISHER}\n"
         '<node pkg="gazebo_ros" type="spawn_model" name="s" args="-urdf -model r -z 0.5 -param '
-        'robot_description -unpause"/>'
+        'robot_description -unpause"/>',
+        worlds__a_dot_world="<sdf version='1.6'/>",
     ).plan()
     (include,) = plan.includes
     assert include.file.name == "gz_sim.launch.py"
@@ -382,6 +384,31 @@ def test_the_simulator_of_gazebo_sim(package: Any) -> None:
 
 
 @pytest.mark.slow
+def test_worlds_that_do_not_exist(package: Any) -> None:
+    """The simulator starts with an empty one, and the line is listed."""
+    worlds = {
+        "a": "$(find my_robot)/worlds/gone.world",
+        "b": "/home/ada/.gazebo/models/gone.world",
+        "c": "$(find my_robot)/worlds/there.world",
+        "d": "/home/ada/ws/src/my_robot/worlds/there.world",  # of another computer
+    }
+    arguments = "".join(f'<arg name="{key}" default="{path}"/>\n' for key, path in worlds.items())
+    includes = "".join(
+        f'{GAZEBO.format("")}><arg name="world_name" value="$(arg {key})"/></include>'
+        for key in worlds
+    )
+    made = package(arguments + includes, worlds__there_dot_world="<sdf version='1.6'/>")
+    ported = made.port()
+    assert notes(ported) == [
+        f"{line}: The world `{worlds[key]}` does not exist: the simulator starts with an empty one."
+        for line, key in ((2, "a"), (3, "b"))
+    ]
+    declared = dict(re.findall(r"'([abcd])',\s+default_value=(.+)\),\n", ported.text or ""))
+    assert declared["a"] == declared["b"] == "'empty.sdf'"
+    assert declared["c"] == declared["d"]
+    assert declared["c"].startswith("PathJoinSubstitution([share, 'worlds', 'there.world']")
+
+
 def test_the_simulator_under_a_condition(package: Any) -> None:
     """Each start has its bridge; the remappings of a group end with it, its parameters do not."""
     group = (

@@ -14,6 +14,7 @@ import pytest
 from existing_robots import ARM, cube_stl, write_arm
 from wsgen.cli import run
 from wsgen.descriptions.urdf.reader import read_urdf
+from wsgen.text import tomlfile
 
 pytestmark = pytest.mark.slow
 
@@ -417,3 +418,26 @@ def test_limits_that_the_port_of_a_drive_changes(
     row = next(one for one in robot["comparison"] if one["aspect"].startswith("limits"))
     assert not row["same"]
     assert any("Set <limit> of left, right to what the drive" in one for one in robot["notes"])
+
+
+def test_what_was_asked_for_is_recorded(here: Path, tmp_path: Path) -> None:
+    source = write_arm(tmp_path).parents[1]
+    options = ("--sensor", "imu:upper", "--control", "position", "--bolted")
+    assert new(source, *options) == 0
+    recorded = tomlfile.load(made(here) / "wsgen.toml")["answers"]
+    assert recorded == {
+        "control": "position",
+        "from": str(source),
+        "sensors": ["imu:upper"],
+        "bolted": True,
+    }
+
+
+def test_addresses_with_a_slash_too_many(here: Path, tmp_path: Path) -> None:
+    """xacro makes them of `file://$(find …)/…`."""
+    file = write_arm(tmp_path)
+    folder = file.parents[1]
+    text = file.read_text().replace("package://arm_description", f"file:///{folder}")
+    file.write_text(text)
+    assert new(folder) == 0
+    assert {"meshes/base_part.stl", "meshes/cube.obj"} <= files(made(here))

@@ -176,3 +176,38 @@ def test_a_file_of_macros_is_no_robot(tmp_path: Path) -> None:
         "defines the macro `wheel`, and calls none: it has no robot."
     )
     assert stop.value.hint == f"Give a file that calls it: --from {caller}"
+
+
+def test_what_another_package_is_to_have_is_taken_from_the_source(tmp_path: Path) -> None:
+    """A package that was renamed, and a folder of one that was taken out of it."""
+    for include in ("urdf/wheel.xacro", "src/robot/urdf/wheel.xacro"):
+        folder = tmp_path / include.replace("/", "_")
+        (folder / "rover" / "urdf").mkdir(parents=True)
+        (folder / "rover" / "urdf" / "wheel.xacro").write_text(
+            '<robot xmlns:xacro="http://www.ros.org/wiki/xacro">'
+            '<xacro:include filename="more.xacro"/></robot>'
+        )
+        (folder / "rover" / "urdf" / "more.xacro").write_text('<robot><link name="w"/></robot>')
+        named = f'<xacro:include filename="$(find old)/{include}"/>'
+        found = expand(folder, f"{named}\n  {INCLUDE}", fixes=True)
+        assert found.text is not None
+        assert '<link name="w"/>' in found.text
+        taken, left_out = found.fixes
+        assert taken.startswith("Took wheel.xacro of the source for what the package `old`, which")
+        assert left_out == (
+            "Left out what is included from the package `nowhere`, which was not found."
+        )
+        assert sorted(one.name for one in (folder / "rover").rglob("*.xacro")) == [
+            "more.xacro",
+            "rover.xacro",
+            "wheel.xacro",
+        ]
+
+
+def test_a_path_of_another_computer_is_named(tmp_path: Path) -> None:
+    (tmp_path / "rover" / "urdf").mkdir(parents=True)
+    (tmp_path / "rover" / "urdf" / "part.xacro").write_text("<robot/>")
+    found = expand(tmp_path, '<xacro:include filename="/home/ada/gone/part.xacro"/>', fixes=True)
+    assert found.text is None
+    (error,) = found.found
+    assert error.hint == f"Write the name of {tmp_path}/rover/urdf/part.xacro instead."

@@ -36,6 +36,7 @@ from wsgen.porting.existing.launch_of_ros1 import (
 from wsgen.porting.existing.other_robots import find_other_robots
 from wsgen.porting.existing.parameters_of_ros1 import files_in
 from wsgen.porting.existing.programs_of_ros1 import written_for_ros_1
+from wsgen.porting.existing.resources import with_own_names
 from wsgen.porting.manifests import SEARCHED, SUCCESSORS, Declared, rename_dependencies
 from wsgen.porting.models import port_model
 from wsgen.porting.ported import FilePort, Unported, joined
@@ -64,6 +65,7 @@ _NAMING = frozenset(
 )
 _SDF = (".sdf", ".world")
 _ABSOLUTE = re.compile(r"<uri>\s*(?:file://)?(/[^<>\s]+)\s*</uri>")
+_OF_ROBOTS = (".gazebo", ".urdf", ".xacro")
 _KINDS = {"add_message_files": "msg", "add_service_files": "srv", "add_action_files": "action"}
 # Commands of CMake that make something, which the new build file does not -> what they make.
 _MAKES = {
@@ -112,6 +114,7 @@ class PortedText(NamedTuple):
     text: str
     packages: frozenset[str] = frozenset()  # that it needs
     notes: tuple[Unported, ...] = ()
+    systems: frozenset[str] = frozenset()  # of Gazebo Sim, that its world must load
 
 
 def find_package(file: Path, packages: Iterable[Path]) -> Manifest | None:
@@ -140,6 +143,7 @@ class PortedPackage(NamedTuple):
     files: dict[str, str | Path]  # by path in the package: texts, and files that stay as they are
     packages: frozenset[str]  # of ROS, that the launch files need
     notes: tuple[Unported, ...]
+    systems: frozenset[str] = frozenset()  # of Gazebo Sim, that the world must load
 
 
 def port_files(source: Source) -> PortedPackage:
@@ -152,7 +156,7 @@ def port_files(source: Source) -> PortedPackage:
     paths = files_in(source.folder)
     source = source._replace(systems=source.systems | _systems_of_models(source, paths))
     others = find_other_robots(source, filter(is_installed, paths))
-    packages, used, notes = set[str](), set[str](), [*others.notes]
+    packages, systems, used, notes = set[str](), set[str](), set[str](), [*others.notes]
     for path in paths:
         file = source.folder / path
         if path in source.moved or path in others.paths:
@@ -179,18 +183,33 @@ def port_files(source: Source) -> PortedPackage:
                 port = _add_sdf(path, source, files, paths)
                 notes += port.unported
                 packages |= port.packages
+            if path.endswith(_OF_ROBOTS) and source.target.simulator == SIM:
+                model = _port_model(file, files[path], source)
+                files[path] = model.text or files[path]
+                notes += model.notes
+                packages |= model.packages
+                systems |= model.systems
     calls = _calls(source)
     interfaces, _, lost = _interfaces(source, calls)
     notes += [*lost, *_not_built(source.folder / BUILD_FILE, calls)]
     files |= {path: source.folder / path for path in used} | changed | interfaces
-    return PortedPackage(files, frozenset(packages), tuple(notes))
+    return PortedPackage(files, frozenset(packages), tuple(notes), frozenset(systems))
+
+
+def _port_model(file: Path, written: str | Path, source: Source) -> PortedText:
+    """What launch files start of the robot besides: with plugins of Gazebo Sim, too."""
+    text = written if isinstance(written, str) else read_text(file) or ""
+    if "<gazebo" not in text:
+        return PortedText("")
+    port = port_model(SourceText(file, text), source.target)
+    return PortedText(apply(text, port.edits), port.packages, port.unported, port.systems)
 
 
 def _systems_of_models(source: Source, paths: Iterable[str]) -> frozenset[str]:
-    """The systems of Gazebo Sim that the models of a package need, which its worlds include."""
+    """The systems of Gazebo Sim that models and robots of a package need, which its worlds load."""
     if source.target.simulator != SIM:
         return frozenset()
-    files = [source.folder / path for path in paths if path.endswith(_SDF)]
+    files = [source.folder / path for path in paths if path.endswith((*_SDF, *_OF_ROBOTS))]
     texts = [SourceText(file, read_text(file) or "") for file in files]
     return joined(port_model(text, source.target) for text in texts).systems
 
@@ -231,6 +250,8 @@ def _add_program(path: str, source: Source, files: dict[str, str | Path]) -> Ite
 def _renamed(file: Path, source: Source) -> str | Path:
     """A file with the new name of the package, where it names its own files."""
     text = read_text(file) if file.suffix in _NAMING and source.old != source.name else None
+    if text is not None and file.suffix == ".xacro":
+        text = with_own_names(text, {**source.siblings, source.old: source.folder})
     own = rf"(?<=package://){source.old}(?=/)|(?<=model://){source.old}(?=/)"
     own += rf"|(?<=\$\(find ){source.old}(?=\))"
     renamed = re.sub(own, source.name, text) if text is not None else None

@@ -38,3 +38,4 @@ class Description(NamedTuple):
     notes: tuple[Unported, ...]  # what a URDF cannot say
     included: tuple[Path, ...] = ()  # other files that it was read from
     reference: Reference | None = None
+    taken: tuple[str, ...] = ()  # of `meshes`, names that stood for no file: one was found

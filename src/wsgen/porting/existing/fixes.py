@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.checks.fixes.source import Tag
+    from wsgen.descriptions.meshes.requests import Solid
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.robot import Joint, Link, Robot
     from wsgen.model.transform import Vector
@@ -108,6 +109,16 @@ def without_missing(text: str, missing: Iterable[str]) -> tuple[str, list[Fix]]:
     return apply(text, [edit for one in fixes for edit in one.edits]), fixes
 
 
+def around(tags: Iterable[Tag], edits: Iterable[Edit]) -> Iterable[str]:
+    """The links and joints in which edits are."""
+    listed = list(edits)
+    for tag in tags:
+        if tag.name in {"link", "joint"} and len(tag.path) == 1:
+            end = _end_of(tag)
+            if any(tag.start.start <= edit.start < end for edit in listed):
+                yield _name_of(tag)
+
+
 class _Fixing:
     """The fixes of one text, round by round."""
 
@@ -119,6 +130,7 @@ class _Fixing:
         self.links: dict[str, str] = {}
         self.joints: dict[str, str] = {}
         self.parts: dict[str, tuple[str, ...]] = {}  # of a mesh, by its path
+        self.solids: dict[tuple[str, Vector], Solid | None] = {}  # by path and scale of a mesh
         self.hulls: set[str] = set()  # names of meshes, with those that have none
         self.are_inertias_known = False
 
@@ -153,17 +165,11 @@ class _Fixing:
         if fixer is not None and special in {None, _Fixing.numbers}:
             edits = tuple(fixer(found, SourceText(self.file, self.text)))
             if edits:
-                yield Fix(
-                    f"{found.message} {found.hint or ''}".strip(), tuple(self._around(edits)), edits
+                names = tuple(around(self.tags, edits))
+                where = "".join(
+                    f"`{one}`: " for one in names[:1] if f"`{one}`" not in found.message
                 )
-
-    def _around(self, edits: Iterable[Edit]) -> Iterable[str]:
-        """The links and joints in which edits are."""
-        for tag in self.tags:
-            if tag.name in {"link", "joint"} and len(tag.path) == 1:
-                end = _end_of(tag)
-                if any(tag.start.start <= edit.start < end for edit in edits):
-                    yield _name_of(tag)
+                yield Fix(f"{where}{found.message} {found.hint or ''}".strip(), names, edits)
 
     def element(self, kind: str, name: str) -> Tag | None:
         """The link or joint of the robot with a name."""
@@ -248,20 +254,24 @@ class _Fixing:
                 is_name = (key == "name" and tag.name == kind) or (key in _NAMING and key != other)
                 if (
                     is_name
-                    and value.text.strip() == old
+                    and old in {value.text, value.text.strip()}
                     and not (key == "parent" and kind == "joint")
                 ):
                     yield Edit(start=value.value.start, end=value.value.end, text=new)
             inside = tag.content()
             if (
                 tag.end
-                and self.text[inside.start : inside.end].strip() == old
+                and self.text[inside.start : inside.end].strip() == old.strip()
                 and len(tag.path) > 1
             ):
                 yield Edit(start=inside.start, end=inside.end, text=new)
 
     def inertia(self, found: Diagnostic, robot: Robot) -> Iterable[Fix]:
         """A mass and an inertia for links that have none, from their shapes."""
+        light = [one for one in robot.links if not (one.inertial and one.inertial.mass > 0)]
+        shapes = (one.geometry for link in light for one in link.collisions or link.visuals)
+        meshes = ((one.path, one.scale) for one in shapes if isinstance(one, Mesh) and one.path)
+        self._measure([*meshes])  # in one child process
         for name in dict.fromkeys(_LINK.findall(found.element or "")):
             link = next((one for one in robot.links if one.name == name), None)
             tag = self.element("link", name)
@@ -271,7 +281,7 @@ class _Fixing:
 
     def _fill(self, link: Link, tag: Tag) -> Iterable[Fix]:
         shapes = [(one.geometry, one.pose_in_link) for one in link.collisions or link.visuals]
-        body = filled(shapes, self.meshes.measure)
+        body = filled(shapes, self._measure)
         mass, center, six = body.mass, body.center, body.inertia
         what = f"from its shapes and a density of {DENSITY:g} kg/m³"
         if mass <= 0:
@@ -288,6 +298,13 @@ class _Fixing:
             (link.name,),
             (_replacement(before, written) if before else _insertion(self.text, tag, written),),
         )
+
+    def _measure(self, requests: Sequence[tuple[str, Vector]]) -> list[Solid | None]:
+        """Measure meshes, each one once."""
+        new = [one for one in dict.fromkeys(requests) if one not in self.solids]
+        if new:
+            self.solids |= zip(new, self.meshes.measure(new), strict=True)
+        return [self.solids[one] for one in requests]
 
     def zero_masses(self, _found: Diagnostic, robot: Robot) -> Iterable[Fix]:
         """Leave out <inertial> of mass 0 of links that are fixed to others, which lump them."""

@@ -11,6 +11,7 @@ import re
 from contextlib import contextmanager
 from fnmatch import fnmatchcase
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.rules.dependencies import OF_ROS_1
@@ -41,6 +42,7 @@ from wsgen.porting.existing.programs_of_ros1 import (
     transform_arguments,
     written_for_ros_1,
 )
+from wsgen.porting.existing.resources import with_own_names
 from wsgen.porting.launch_files import DEFAULT_WORLDS, ON, SWITCHES
 from wsgen.porting.ported import Unported
 from wsgen.ros import ros1
@@ -53,7 +55,6 @@ from wsgen.text.yamlfile import parse as parse_yaml
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping
-    from pathlib import Path
 
     from wsgen.model.target import Target
     from wsgen.porting.existing.launch_values import Code
@@ -167,6 +168,7 @@ def port_launch_file(file: Path, text: str, source: Source) -> PortedLaunch:
         text: what it holds.
         source: the package, and what it becomes.
     """
+    text = with_own_names(text, {**source.siblings, source.old: source.folder})
     root = parse_xml(text)
     if isinstance(root, Malformed):
         what = f"{file.name} is not well-formed XML: {root.message}."
@@ -307,6 +309,9 @@ class _Port:
         if path in DEFAULT_WORLDS[1:] and self.source.target.simulator == SIM:
             return self._default_world
         found = _FIND.fullmatch(path)
+        if path.endswith((".world", ".sdf")) and self._is_gone(path):
+            self._leave_world(path)
+            return self._default_world
         if found is None or found[1] != self.source.old:
             return path
         place = self.source.moved.get(found[2])
@@ -314,6 +319,24 @@ class _Port:
         if is_lost and not (self.source.folder / found[2]).exists():
             place = self.source.rviz  # rviz shows nothing then; exports of SolidWorks name such one
         return path if place is None else f"$(find {self.source.old})/{place}"
+
+    def _is_gone(self, path: str) -> bool:
+        """Whether a file of the package, or an absolute path, does not exist."""
+        found = _FIND.fullmatch(path)
+        if path == self._default_world:
+            return False
+        if found is not None:
+            is_own = found[1] == self.source.old and "$(" not in found[2]
+            return is_own and not (self.source.folder / found[2]).exists()
+        return path.startswith("/") and "$(" not in path and not Path(path).exists()
+
+    def _leave_world(self, path: str) -> None:
+        """List a world that does not exist, once."""
+        line = self.text.count("\n", 0, max(self.text.find(path), 0)) + 1
+        what = f"The world `{path}` does not exist: the simulator starts with an empty one."
+        left = Unported(self.file, line, what, "Put it into the package, and name it.")
+        if left not in self.notes:
+            self.notes.append(left)
 
     def _model(self, path: str) -> str | None:
         """Where the robot of the package is, if a path leads to its description."""

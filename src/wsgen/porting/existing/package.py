@@ -248,6 +248,8 @@ class _Making:
             needs += [("exec_depend", one) for one in ported.packages]
             manifest = port_manifest(catkin, needs, self.spec.license)
             self.unported += (*ported.notes, *manifest.notes)
+            systems = self.extensions.systems | ported.systems
+            self.extensions = self.extensions._replace(systems=systems)
             launch = [path for path in ported.files if path.endswith(".launch.py")]
             if launch:
                 self.notes.append(f"Ported the launch files of ROS 1: {', '.join(launch)}.")
@@ -294,6 +296,9 @@ class _Making:
         file = laid / FOLDER / "robot.urdf"
         text, fixes = without_missing(written, missing)
         self.fixes += fixes
+        for name in self.description.taken:
+            sentence = f"Took {self.resources.names[name]} for `{name}`, which does not exist."
+            self.fixes.append(Fix(sentence, (), ()))
 
         def diagnose(now: str) -> tuple[Robot | None, Sequence[Diagnostic]]:
             _lay_out({f"{FOLDER}/{file.name}": now}, laid)
@@ -400,6 +405,11 @@ class _Making:
         return find_controllers(folder, siblings, robot, self.request.wanted.control)
 
     def _bolted(self, robot: Robot) -> str:
+        if robot.root == WORLD:
+            self.notes.append(
+                "The root link is `world`: the robot was fixed to the ground already."
+            )
+            return ""
         if any(link.name == WORLD for link in robot.links):
             raise RequestError(
                 "--bolted: the robot has a link `world` already.",
@@ -562,6 +572,7 @@ class _Making:
             "distance": max(1.0, round(2.5 * extent, 1)),
             "source": self.source.file.name,
             "is_kept": bool(texts.places),  # with its macros
+            "answers": self._answers(),
             "kind": KINDS[self.source.kind],
             "mass": f"{robot.mass:.4g}",
             "joints": len(robot.joints),
@@ -572,6 +583,20 @@ class _Making:
             "notes": [*self.notes, *dict.fromkeys(one.sentence for one in self.fixes)],
             "unported": self.unported,
         }
+
+    def _answers(self) -> Mapping[str, object]:
+        """What was asked for besides the variables of the template, but for what is not given."""
+        request = self.request
+        given: dict[str, object] = {
+            "from": request.source,
+            "arguments": [f"{name}:={value}" for name, value in request.arguments.items()],
+            "wheels": [*request.wanted.wheels],
+            "sensors": [*request.wanted.sensors],
+            "fix": request.fixes,
+            "bolted": request.is_bolted,
+            "copy_outside": request.copy_outside,
+        }
+        return {name: value for name, value in given.items() if value}
 
     def _facts_of_model(self, texts: KeptFiles) -> Mapping[str, object]:
         robot, _ = self._read(self.description.text)
@@ -620,7 +645,7 @@ class _Making:
         renamed = {
             Path(name).name: place
             for name, place in self.resources.names.items()
-            if Path(name).name != Path(place).name
+            if Path(name).name != Path(place).name and name not in self.description.taken
         }
         for name, place in renamed.items():
             self.notes.append(f"Renamed the file `{name}` to {place}.")

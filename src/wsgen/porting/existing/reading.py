@@ -98,11 +98,11 @@ def read_robot(  # noqa: PLR0913  what is asked for, and where
     for package in dict.fromkeys(_PACKAGE.findall(text)):
         source = source.with_package(package)
     references = find_references(text, (*source.roots, *source.packages.values()))
-    files, missing = find_files(references, source, copy_outside=copy_outside, skip_missing=fixes)
+    found = find_files(references, source, copy_outside=copy_outside, skip_missing=fixes)
     root = parse(text)
-    name = "" if isinstance(root, Malformed) else root.get("name") or ""
-    description = Description(name or source.file.stem, text, source.file, files, ())
-    return Read(source, description, missing, *expanded[2:])
+    name = ("" if isinstance(root, Malformed) else root.get("name")) or source.file.stem
+    description = Description(name, text, source.file, found.files, (), taken=found.taken)
+    return Read(source, description, found.missing, *expanded[2:])
 
 
 def _named(text: str, file: Path) -> str:

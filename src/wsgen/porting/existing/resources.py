@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 from pathlib import Path, PurePosixPath
@@ -12,6 +13,7 @@ from wsgen.checks.fixes.source import Edit, apply, read_tags
 from wsgen.descriptions.meshes.lookup import Missing, locate
 from wsgen.descriptions.sdf.lookup import is_file
 from wsgen.errors import NotFoundError, RequestError
+from wsgen.porting.existing.sources import files_below
 from wsgen.text.files import after_scheme
 from wsgen.text.markup import without_comments
 
@@ -26,6 +28,7 @@ CONFIG = "config"
 _NAMED = ("mesh", "texture")  # elements with the name of a file
 _ADDRESS = re.compile(r"(?:package|model|file)://[^\s\"'<>$]+")
 _ABOVE = 3  # folders from which a relative name is looked for
+_SLASHES = re.compile(r"^//+")
 _UNUSUAL = re.compile(r"[^A-Za-z0-9_.-]+")
 _LARGEST = 64 * 2**20  # bytes of a mesh in which names of other files are looked for
 # What names other files in a mesh, by its suffix.
@@ -91,16 +94,28 @@ def resolve(uri: str, source: Source) -> Path | None:
         path = None if share is None or not inside else share / inside
     else:
         name = after_scheme(unquote(rest)) if separator else uri
-        # PyBullet looks from a folder that a program names, often one of those above.
+        # PyBullet looks from a folder that a program names, often one of those above. And
+        # `file://$(find …)/…` has a slash too many, which another root of paths would have, too.
+        name = _SLASHES.sub("/", name)
         places = (folder / name for folder in source.file.parents[:_ABOVE])
         path = next(filter(is_file, places), None)
     return path if path is not None and is_file(path) else None
 
 
+class FoundFiles(NamedTuple):
+    """The files that names stand for."""
+
+    files: dict[str, Path]
+    missing: tuple[str, ...]  # names of meshes without a file
+    taken: tuple[str, ...]  # names of meshes that stood for no file: the nearest of `files`
+
+
 def find_files(
     references: Iterable[Reference], source: Source, *, copy_outside: bool, skip_missing: bool
-) -> tuple[dict[str, Path], tuple[str, ...]]:
-    """The files that names stand for, and the names of meshes without one.
+) -> FoundFiles:
+    """The files that names stand for.
+
+    Where meshes may be missing, a file of the source that is called as the mesh takes its place.
 
     Raises:
         NotFoundError: A mesh has none, and that is not to be fixed.
@@ -116,9 +131,37 @@ def find_files(
             missing[one.uri] = None
     if missing and not skip_missing:
         raise not_found([*missing], source)
+    taken = called_alike(missing, source)
+    found |= taken
     if not copy_outside:
         refuse_outside(found, source)
-    return found, tuple(missing)
+    lost = tuple(one for one in missing if one not in taken)
+    return FoundFiles(found, lost, tuple(taken))
+
+
+def called_alike(uris: Iterable[str], source: Source) -> dict[str, Path]:
+    """Files of the source in place of those that do not exist: of most equal folders from the end.
+
+    Exports are moved, renamed, and flattened, or come from a disk that does not tell capitals.
+    """
+    below: dict[str, dict[Path, None]] = {}
+    wanted = {uri: unquote(uri).replace("\\", "/").casefold().split("/")[::-1] for uri in uris}
+    for root in dict.fromkeys(source.roots) if wanted else ():
+        for file in files_below(root):
+            below.setdefault(file.name.casefold(), {})[Path(os.path.realpath(file))] = None
+    found = {}
+    for uri, parts in wanted.items():
+        ranked: dict[int, list[Path]] = {}
+        for file in below.get(parts[0], ()):
+            own = [part.casefold() for part in file.parts[::-1]]
+            pairs = itertools.takewhile(
+                lambda pair: pair[0] == pair[1], zip(parts, own, strict=False)
+            )
+            ranked.setdefault(sum(1 for _ in pairs), []).append(file)
+        nearest = ranked[max(ranked)] if ranked else []
+        if len({one.read_bytes() for one in nearest}) == 1:
+            found[uri] = nearest[0]
+    return found
 
 
 def refuse_outside(files: Mapping[str, Path | bytes], source: Source) -> None:
@@ -154,9 +197,11 @@ def not_found(missing: Sequence[str], source: Source) -> NotFoundError:
             f" workspace with it and add --copy-outside."
         )
     count = "" if len(missing) == 1 else f" {len(missing)} meshes are missing."
+    alike = called_alike(missing[:1], source).get(missing[0])
+    fix = "leaves out what is missing" if alike is None else f"takes {alike}"
     return NotFoundError(
         f"{source.shown}: the mesh `{missing[0]}` {problem}.{count}",
-        hint=f"{hint} Or add --fix, which leaves out what is missing.",
+        hint=f"{hint} Or add --fix, which {fix}.",
     )
 
 
@@ -265,6 +310,21 @@ def usable(name: str) -> str:
 def usable_path(path: Path) -> str:
     """The same for a path."""
     return "/".join(usable(part) for part in path.parts)
+
+
+def with_own_names(text: str, packages: Mapping[str, Path]) -> str:
+    """A text of roslaunch or xacro with `$(find PACKAGE)` for its folder on another computer.
+
+    Only where that path does not exist here, and the package has the file.
+    """
+    names = "|".join(map(re.escape, packages))
+    pattern = rf"""(?<=["'>\s=])(?:/[^\s"'<>$/]+)+/({names})/([^\s"'<>$]+)"""
+
+    def own(found: re.Match[str]) -> str:
+        is_here = Path(found[0]).exists() or not (packages[found[1]] / found[2]).exists()
+        return found[0] if is_here else f"$(find {found[1]})/{found[2]}"
+
+    return re.sub(pattern, own, text) if packages else text
 
 
 def rewrite(

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
+import os
 import re
 from dataclasses import replace
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.fixes.source import Edit, apply, children, read_tags
@@ -16,13 +18,13 @@ from wsgen.porting.existing.catkin import siblings_of
 from wsgen.porting.existing.launch_of_ros1 import ENDINGS, is_of_ros_1
 from wsgen.porting.existing.launch_values import UnsaidError, split_words
 from wsgen.porting.existing.parameters_of_ros1 import files_in
+from wsgen.porting.existing.resources import called_alike
 from wsgen.porting.existing.sources import files_below
 from wsgen.text.markup import read_text
 from wsgen.text.xmltree import Malformed, parse
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.porting.existing.sources import Source
@@ -39,6 +41,7 @@ _ARGUMENT = re.compile(r"\$\(arg\s+(\S+?)\s*\)")
 _UNDEFINED = re.compile(r"Undefined substitution argument (\S+?)\.$")
 _UNKNOWN_MACRO = re.compile(r"unknown macro name: xacro:")
 _NOT_FOUND = re.compile(r"the package '([\w.-]+)' is not found\.$")
+_NO_FILE = re.compile(r"[Nn]o such file or directory: '([^']+)'")
 _DEEPEST = 10  # arguments whose defaults name others
 _LONGEST = 1000  # characters of a value
 
@@ -80,9 +83,9 @@ def expand_source(
     if text is not None:
         return Expanded(text, found, arguments)
     where, offered = _offered(source)
-    given, moved = dict(arguments), False
+    given, moved, taken = dict(arguments), False, dict[str, str]()
     if fixes:
-        served = _serve_with_empty(packages, scratch, environment)
+        served, taken = _serve_with_empty(packages, source, scratch, environment)
         text, later = expand_file(source.file, given, environment=served)
         while text is None and (name := _undefined(later)) in offered.keys() - given.keys():
             given[name] = offered[name]
@@ -99,7 +102,8 @@ def expand_source(
         found = tuple(_advised(one, source, where, offered, fixes=fixes) for one in found)
         return Expanded(None, found, given)
     changed = [
-        f"Left out what is included from the package `{name}`, which was not found."
+        taken.get(name)
+        or f"Left out what is included from the package `{name}`, which was not found."
         for name in packages.missing
         if is_used(name, served)
     ]
@@ -114,15 +118,45 @@ def expand_source(
 
 
 def _serve_with_empty(
-    packages: _LookedUp, scratch: Path, environment: Mapping[str, str]
-) -> dict[str, str]:
-    """The environment with empty files in the place of those of packages that are nowhere."""
-    folders = {name: scratch / "absent" / name for name in packages.missing}
+    packages: _LookedUp, source: Source, scratch: Path, environment: Mapping[str, str]
+) -> tuple[dict[str, str], dict[str, str]]:
+    """The environment with something in the place of packages that are nowhere.
+
+    What they are to have is served from the source, where that has a file that is called so: the
+    package was renamed, or its folder moved. Otherwise it is empty.
+
+    Returns:
+        The environment, and by package a sentence about what serves for it.
+    """
+    folders, taken = {}, dict[str, str]()
     for name, paths in packages.missing.items():
+        folders[name] = scratch / "absent" / name
+        alike = called_alike([f"{name}/{path}" for path in paths], source)
+        for path in paths:
+            parts, there = PurePosixPath(path).parts, alike.get(f"{name}/{path}")
+            ends = () if there is None else zip(parts[::-1], there.parts[::-1], strict=False)
+            same = sum(1 for _ in itertools.takewhile(lambda pair: pair[0] == pair[1], ends))
+            if there is None or not same:
+                continue
+            of_source, link = there.parents[same - 1], folders[name].joinpath(*parts[:-same])
+            if same == len(parts):
+                folders[name] = of_source
+            elif not os.path.lexists(link) and _is_inside(link, scratch):
+                link.parent.mkdir(parents=True, exist_ok=True)
+                link.symlink_to(of_source)
+            taken[name] = f"Took {there.name} of the source for what the package `{name}`, which"
+            taken[name] += " was not found, is to have."
         for file in (folders[name] / path for path in paths):
-            file.parent.mkdir(parents=True, exist_ok=True)
-            file.write_text(_EMPTY, encoding="utf-8")
-    return serve_sources({**packages.there, **folders}, scratch / "with-empty", environment)
+            if not file.exists() and _is_inside(file, scratch):
+                file.parent.mkdir(parents=True, exist_ok=True)
+                file.write_text(_EMPTY, encoding="utf-8")
+    served = serve_sources({**packages.there, **folders}, scratch / "with-empty", environment)
+    return served, taken
+
+
+def _is_inside(file: Path, folder: Path) -> bool:
+    """Whether a file would be written into a folder, and not where a link in it leads."""
+    return Path(os.path.realpath(file)).is_relative_to(os.path.realpath(folder))
 
 
 def _with_macros_first(file: Path, scratch: Path) -> Path:
@@ -209,6 +243,9 @@ def _advised(
 ) -> Diagnostic:
     """The error with what to do about it here."""
     undefined, missing = _UNDEFINED.search(one.message), _NOT_FOUND.search(one.message)
+    gone = _NO_FILE.search(one.message)
+    if gone is not None and (alike := called_alike([gone[1]], source).get(gone[1])) is not None:
+        return replace(one, hint=f"Write the name of {alike} instead.")
     if undefined is not None:
         name = undefined[1]
         if name in offered:
