@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.gazebo.plugins import stem
 from wsgen.gazebo.systems import library_of
+from wsgen.text.tables import read_table
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
@@ -346,65 +347,9 @@ OF_WORLDS = {
 }
 IN_PLACE_OF_WORLDS = {"gazebo_ros_force_system": "ApplyLinkWrench"}
 
-# Models of the database of Gazebo Classic -> those of Open Robotics on Fuel, which are the same:
-# the names in osrf/gazebo_models that public worlds for Gazebo Sim include. A world with a model
-# that Fuel lacks does not start, so that the others are not here.
+# Models of the database of Gazebo Classic -> those of Open Robotics on Fuel, which are the same.
 FUEL = "https://fuel.gazebosim.org/1.0/OpenRobotics/models/"
-ON_FUEL = {
-    "ambulance": "Ambulance",
-    "apartment": "Apartment",
-    "beer": "Beer",
-    "bookshelf": "Bookshelf",
-    "bowl": "Bowl",
-    "bus": "Bus",
-    "cabinet": "Cabinet",
-    "cafe": "Cafe",
-    "cafe_table": "Cafe table",
-    "cardboard_box": "Cardboard box",
-    "checkerboard_plane": "Checkerboard Plane",
-    "coke_can": "Coke Can",
-    "collapsed_house": "Collapsed House",
-    "construction_barrel": "Construction Barrel",
-    "construction_cone": "Construction Cone",
-    "cordless_drill": "Cordless Drill",
-    "double_pendulum_with_base": "Double pendulum with base",
-    "dumpster": "Dumpster",
-    "euro_pallet": "Euro pallet",
-    "fire_hydrant": "Fire hydrant",
-    "first_2015_trash_can": "FIRST 2015 trash can",
-    "gazebo": "Gazebo",
-    "ground_plane": "Ground Plane",
-    "hammer": "Hammer",
-    "hatchback": "Hatchback",
-    "hatchback_blue": "Hatchback blue",
-    "hatchback_red": "Hatchback red",
-    "house_1": "House 1",
-    "house_2": "House 2",
-    "house_3": "House 3",
-    "iss_half": "International Space Station (half)",
-    "jersey_barrier": "Jersey Barrier",
-    "lamp_post": "Lamp Post",
-    "mailbox": "Mailbox",
-    "oak_tree": "Oak tree",
-    "office_building": "Office Building",
-    "person_standing": "Standing person",
-    "person_walking": "Walking person",
-    "pickup": "Pickup",
-    "pine_tree": "Pine Tree",
-    "playground": "Playground",
-    "prius_hybrid": "Prius Hybrid",
-    "radio_tower": "Radio tower",
-    "robonaut": "Robonaut",
-    "school": "School",
-    "simple_arm": "Simple Arm",
-    "sun": "Sun",
-    "suv": "SUV",
-    "table": "Table",
-    "table_marble": "Table Marble",
-    "telephone_pole": "Telephone pole",
-    "wood_cube_10cm": "Wood cube 10cm",
-    "wood_cube_5cm": "Wood cube 5cm",
-}
+ON_FUEL = {name: " ".join(words) for name, words in read_table(__file__, "on-fuel.txt").items()}
 # Meshes of actors that Gazebo Classic ships and this model on Fuel has.
 ACTOR = "https://fuel.gazebosim.org/1.0/Mingfei/models/actor/tip/files/meshes/"
 MESHES_OF_ACTORS = ("talk_b.dae", "walk.dae")

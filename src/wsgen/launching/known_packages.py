@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.ros.names import released_packages
 from wsgen.text.suggestions import nearest
+from wsgen.text.tables import read_table
 from wsgen.text.values import lazy_pattern
 
 if TYPE_CHECKING:
@@ -102,54 +103,10 @@ _LAUNCH_FILES: dict[str, dict[str, Mapping[str, str | None]]] = {
     "ros_ign_gazebo": {"ign_gazebo.launch.py": {"ign_args": "", "ign_version": "6"}},
 }
 
-# Packages whose launch files, if they have any, are recorded with the arguments they are given.
-_OTHERS = frozenset(
-    (
-        "controller_manager",
-        "gazebo_plugins",
-        "joint_state_broadcaster",
-        "joint_state_publisher",
-        "joint_state_publisher_gui",
-        "joy",
-        "nav2_bringup",
-        "rclcpp_components",
-        "robot_localization",
-        "robot_state_publisher",
-        "ros2_control",
-        "ros2launch",
-        "ros_gz_image",
-        "ros_ign_bridge",
-        "rqt_gui",
-        "rqt_robot_steering",
-        "rviz2",
-        "slam_toolbox",
-        "teleop_twist_joy",
-        "teleop_twist_keyboard",
-        "tf2_ros",
-        "topic_tools",
-        "twist_mux",
-        "xacro",
-    )
-)
-
-# Programs of packages that need not be installed: all of them that a misspelled name could mean.
-_EXECUTABLES = {
-    "controller_manager": ("hardware_spawner", "ros2_control_node", "spawner", "unspawner"),
-    "gazebo_ros": ("spawn_entity.py",),
-    "joint_state_publisher": ("joint_state_publisher",),
-    "joint_state_publisher_gui": ("joint_state_publisher_gui",),
-    "robot_localization": ("ekf_node", "navsat_transform_node", "ukf_node"),
-    "robot_state_publisher": ("robot_state_publisher",),
-    "ros_gz_bridge": ("bridge_node", "parameter_bridge", "static_bridge"),
-    "ros_gz_image": ("image_bridge",),
-    "ros_gz_sim": ("create", "gzserver", "remove"),
-    "ros_ign_bridge": ("parameter_bridge", "static_bridge"),
-    "ros_ign_gazebo": ("create",),
-    "rviz2": ("rviz2",),
-    "tf2_ros": ("buffer_server", "static_transform_publisher", "tf2_echo", "tf2_monitor"),
-    "twist_mux": ("twist_marker", "twist_mux"),
-    "xacro": ("xacro",),
-}
+# Programs of packages that need not be installed; launch files of those that have none above are
+# recorded with the arguments they are given.
+_EXECUTABLES = read_table(__file__, "known-packages.txt")
+_OTHERS = _EXECUTABLES.keys() - _LAUNCH_FILES.keys()
 
 # Other packages that were looked up and are not installed.
 _declared: set[str] = set()

@@ -9,6 +9,7 @@ from wsgen.diagnostics import Rule, Severity
 from wsgen.packages.workspace.manifest import TEST_TAGS, way_between
 from wsgen.ros.names import cmake_packages, released_packages, rosdep_keys
 from wsgen.text.suggestions import did_you_mean, misspelled_as, some_of
+from wsgen.text.tables import read_table
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping
@@ -124,48 +125,7 @@ DUPLICATE_DEPENDENCY = Rule(
 )
 
 # Package of ROS 1 -> what ROS 2 has instead; the first one for a package of Python.
-OF_ROS_1 = {
-    "actionlib": ("rclcpp_action",),
-    "amcl": ("nav2_amcl",),
-    "base_local_planner": ("nav2_core",),
-    "catkin": ("ament_cmake",),
-    "costmap_2d": ("nav2_costmap_2d",),
-    "cpp_common": ("rcpputils",),
-    "dwa_local_planner": ("nav2_dwb_controller",),
-    "dynamic_reconfigure": (),
-    "eigen_conversions": ("tf2_eigen",),
-    "gazebo_ros_control": ("gz_ros2_control", "gazebo_ros2_control"),
-    "global_planner": ("nav2_navfn_planner",),
-    "gmapping": ("slam_toolbox",),
-    "map_server": ("nav2_map_server",),
-    "message_generation": ("rosidl_default_generators",),
-    "message_runtime": ("rosidl_default_runtime",),
-    "move_base": ("nav2_bringup",),
-    "moveit_commander": ("moveit_py",),
-    "navfn": ("nav2_navfn_planner",),
-    "nodelet": ("rclcpp_components",),
-    "robot_pose_ekf": ("robot_localization",),
-    "rosbag": ("rosbag2",),
-    "rosconsole": ("rcutils",),
-    "roscpp": ("rclcpp",),
-    "roslaunch": ("ros2launch",),
-    "roslib": ("ament_index_python", "ament_index_cpp"),
-    "rosmake": (),
-    "rosmsg": ("ros2interface",),
-    "rosnode": ("ros2node",),
-    "rosparam": ("ros2param",),
-    "rospy": ("rclpy",),
-    "rosserial": (),
-    "rosservice": ("ros2service",),
-    "rostest": ("launch_testing_ament_cmake",),
-    "rostime": ("rclcpp",),
-    "rostopic": ("ros2topic",),
-    "rosunit": ("ament_cmake_gtest",),
-    "rviz": ("rviz2",),
-    "slam_gmapping": ("slam_toolbox",),
-    "tf": ("tf2_ros",),
-    "tf_conversions": ("tf2_geometry_msgs",),
-}
+OF_ROS_1 = read_table(__file__, "of-ros-1.txt")
 # What Python modules, PyPI and CMake call what rosdep calls otherwise.
 KEYS = {
     "boost": "boost",

@@ -21,6 +21,7 @@ from wsgen.descriptions.rules import (
 from wsgen.diagnostics import Diagnostic, Measured, Rule, Severity
 from wsgen.text.files import irregular_kind, read_regular, save_as_utf8, wide_encoding
 from wsgen.text.suggestions import did_you_mean, nearest
+from wsgen.text.tables import read_markup_names
 from wsgen.text.xmltree import Malformed, parse, parse_as_tinyxml
 
 if TYPE_CHECKING:
@@ -30,69 +31,8 @@ if TYPE_CHECKING:
     from wsgen.text.xmltree import Element
 
 
-ROUND = ("radius", "length")
 # All that SDF 1.3 to 1.12 has in an element, of those that wsgen looks into.
-KNOWN: dict[str, tuple[str, ...]] = {
-    "sdf": ("world", "model", "actor", "light"),
-    "world": (
-        *("audio", "wind", "include", "gravity", "magnetic_field", "atmosphere", "gui", "physics"),
-        *("scene", "light", "frame", "model", "actor", "plugin", "road", "spherical_coordinates"),
-        *("state", "population", "joint"),
-    ),
-    "model": (
-        *("static", "self_collide", "allow_auto_disable", "include", "model", "enable_wind"),
-        *("frame", "pose", "link", "joint", "plugin", "gripper"),
-    ),
-    "include": ("uri", "name", "static", "pose", "placement_frame", "plugin", "merge"),
-    "link": (
-        *("gravity", "enable_wind", "self_collide", "kinematic", "must_be_base_link", "frame"),
-        *("velocity_decay", "pose", "inertial", "collision", "visual", "sensor", "projector"),
-        *("audio_sink", "audio_source", "battery", "light", "particle_emitter", "plugin"),
-    ),
-    "inertial": (
-        *("mass", "density", "frame", "pose", "inertia", "auto_inertia_params"),
-        "fluid_added_mass",
-    ),
-    "inertia": ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"),
-    "collision": (
-        *("laser_retro", "max_contacts", "density", "auto_inertia_params", "frame", "pose"),
-        *("geometry", "surface"),
-    ),
-    "visual": (
-        *("cast_shadows", "laser_retro", "transparency", "visibility_flags", "meta", "frame"),
-        *("pose", "material", "geometry", "plugin"),
-    ),
-    "geometry": (
-        *("empty", "box", "capsule", "cone", "cylinder", "ellipsoid", "heightmap", "image"),
-        *("mesh", "plane", "polyline", "sphere"),
-    ),
-    "box": ("size",),
-    "capsule": ROUND,
-    "cone": ROUND,
-    "cylinder": ROUND,
-    "sphere": ("radius",),
-    "plane": ("normal", "size"),
-    "mesh": ("uri", "submesh", "scale", "convex_decomposition"),
-    "joint": (
-        *("parent", "child", "gearbox_ratio", "gearbox_reference_body", "thread_pitch", "axis"),
-        *("screw_thread_pitch", "axis2", "physics", "frame", "pose", "sensor"),
-    ),
-    "axis": (*("initial_position", "xyz", "use_parent_model_frame", "mimic", "dynamics", "limit"),),
-    "limit": ("lower", "upper", "effort", "velocity", "stiffness", "dissipation"),
-    "dynamics": ("damping", "friction", "spring_reference", "spring_stiffness"),
-}
-ATTRIBUTES: dict[str, tuple[str, ...]] = {
-    "sdf": ("version",),
-    "world": ("name",),
-    "model": ("name", "canonical_link", "placement_frame"),
-    "include": ("merge",),
-    "link": ("name",),
-    "collision": ("name",),
-    "visual": ("name",),
-    "joint": ("name", "type"),
-    "frame": ("name", "attached_to"),
-    "pose": ("relative_to", "rotation_format", "degrees", "frame"),
-}
+KNOWN, ATTRIBUTES = read_markup_names(__file__, "known-names.txt")
 ALIKE = 0.82  # as difflib counts; `stiction` is no `friction` (0.75)
 ALIKE_INITIAL = 0.75  # with the same first letter, which few misspell; `sise` and `size` are at it
 MOST_COMPARED = 2000  # unknown elements of a file; difflib takes its time

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.descriptions.rules import MISSPELLED_ATTRIBUTE, MISSPELLED_ELEMENT
 from wsgen.text import suggestions
+from wsgen.text.tables import read_markup_names
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -14,63 +15,9 @@ if TYPE_CHECKING:
     from wsgen.text.xmltree import Element
 
 
-SHAPED = ("origin", "geometry", "material")
 SHAPES = ("box", "cylinder", "sphere", "mesh")
 # What urdfdom and sdformat look for in an element. Others are allowed, and many tools have some.
-KNOWN = {
-    "robot": ("link", "joint", "material", "gazebo", "transmission", "ros2_control"),
-    "link": ("visual", "collision", "inertial"),
-    "joint": (
-        "origin",
-        "parent",
-        "child",
-        "axis",
-        "limit",
-        "dynamics",
-        "mimic",
-        "calibration",
-        "safety_controller",
-    ),
-    "visual": SHAPED,
-    "collision": SHAPED,
-    "inertial": ("origin", "mass", "inertia"),
-    "material": ("color", "texture"),
-    # With a reference and without; `collision` and `link` are there for who writes SDF in them.
-    "gazebo": (
-        *("material", "static", "turnGravityOff", "gravity", "dampingFactor", "maxVel"),
-        *("minDepth", "mu1", "mu2", "fdir1", "kp", "kd", "selfCollide", "self_collide"),
-        *("maxContacts", "laserRetro", "springReference", "springStiffness", "stopCfm", "stopErp"),
-        *("fudgeFactor", "provideFeedback", "implicitSpringDamper", "preserveFixedJoint"),
-        *("disableFixedJointLumping", "sensor", "plugin", "visual", "collision", "link", "joint"),
-        *("initial_joint_position", "velocity_decay", "kinematic", "enable_wind", "light"),
-    ),
-}
-# The attributes that urdfdom and sdformat look for in an element.
-ATTRIBUTES = {
-    "robot": ("name", "version"),
-    "link": ("name",),
-    "joint": ("name", "type"),
-    "visual": ("name",),
-    "collision": ("name",),
-    "origin": ("xyz", "rpy"),
-    "box": ("size",),
-    "cylinder": ("radius", "length"),
-    "sphere": ("radius",),
-    "mesh": ("filename", "scale"),
-    "mass": ("value",),
-    "inertia": ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"),
-    "parent": ("link",),
-    "child": ("link",),
-    "axis": ("xyz",),
-    "limit": ("lower", "upper", "effort", "velocity"),
-    "dynamics": ("damping", "friction"),
-    "mimic": ("joint", "multiplier", "offset"),
-    "safety_controller": ("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"),
-    "calibration": ("rising", "falling"),
-    "material": ("name",),
-    "color": ("rgba",),
-    "texture": ("filename",),
-}
+KNOWN, ATTRIBUTES = read_markup_names(__file__, "known-names.txt")
 # Without which an element is refused.
 REQUIRED = {
     "box": ("size",),
@@ -109,7 +56,7 @@ def nearest_element(collector: Collector, name: str, known: Iterable[str]) -> st
 def check_spelling(collector: Collector, element: Element, path: str) -> None:
     """Report children, in the element and below it, whose names are nearly those of known ones."""
     _check_attributes(collector, element, path)
-    known = KNOWN.get(str(element.tag), SHAPES if element.tag == "geometry" else ())
+    known = KNOWN.get(str(element.tag), ())
     if element.tag == "gazebo":
         _check_reference(collector, element, path)
     for child in element:
