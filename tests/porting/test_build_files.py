@@ -160,7 +160,7 @@ def test_a_node_that_only_names_gazebo_is_no_plugin(tmp_path: Path) -> None:
 
 
 def test_a_condition_on_gazebo_itself_is_listed() -> None:
-    text = f"{HEAD}find_package(gazebo QUIET)\nif(NOT gazebo_FOUND)\n  return()\nendif()\n"
+    text = f"{HEAD}find_package(gazebo QUIET)\nif(NOT gazebo_FOUND)\n  set(a b)\nendif()\n"
     assert ported(text) == (
         text,
         ["5: CMakeLists.txt depends on `gazebo_FOUND`, which is false without Gazebo Classic."],
@@ -329,3 +329,20 @@ ament_package()
     source = SourceText(Path("/nowhere/CMakeLists.txt"), text)
     after = apply(text, port_cmake(source, ["worlds"]).edits)
     assert after == text.replace("urdf world", "urdf world worlds")
+
+
+@pytest.mark.parametrize("more", ["", "else()\n  message(STATUS here)\n"])
+def test_a_package_that_is_left_out_without_gazebo_classic_is_built(more: str) -> None:
+    question = f"""# Skip
+find_package(gazebo QUIET)
+if(NOT gazebo_FOUND)
+  message(WARNING "none")
+  return()
+{more}endif()
+"""
+    text = f"project(r)\n{question}install(DIRECTORY urdf)\nament_package()\n"
+    source = SourceText(Path("/nowhere/CMakeLists.txt"), text)
+    port = port_cmake(source)
+    assert (apply(text, port.edits) == text) == bool(more)
+    assert ("NOT gazebo_FOUND" in apply(text, port.edits)) == bool(more)
+    assert len(port.unported) == bool(more)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+from itertools import takewhile
 from typing import TYPE_CHECKING
 
 from wsgen.checks.fixes.build_files import add_to_data_files, install_beside, read_commands
@@ -14,7 +15,7 @@ from wsgen.porting.ported import FilePort, Unported
 from wsgen.text.files import read_regular
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Sequence
     from pathlib import Path
 
     from wsgen.checks.fixes.build_files import Argument, Command
@@ -64,6 +65,7 @@ _EMPTY = {
     **dict.fromkeys(("target_include_directories", "target_compile_options"), 1),
     "list": 2,
 }
+_PAIR = 2  # NOT and a name
 _SOURCE_LIMIT = 2**20  # bytes
 
 
@@ -85,7 +87,9 @@ def port_cmake(source: SourceText, folders: Collection[str] = ()) -> FilePort:
     )
     guarded = _guarded(commands)
     unported = [_unported_target(source, one) for one in compiled if one not in guarded]
-    return FilePort(edits=tuple(edits), unported=(*unported, *_conditions(source, commands)))
+    left = [] if compiled else [first for first, _ in _skipping(commands)]
+    conditions = _conditions(source, [one for one in commands if one not in left])
+    return FilePort(edits=tuple(edits), unported=(*unported, *conditions))
 
 
 def _unported_target(source: SourceText, command: Command) -> Unported:
@@ -231,13 +235,31 @@ def _includes(file: Path, pattern: bytes) -> bool | None:
         return None
 
 
-def _tested(commands: Sequence[Command]) -> Iterator[tuple[Command, Argument]]:
+def _tested(commands: Iterable[Command]) -> Iterator[tuple[Command, Argument]]:
     """Conditions on whether Gazebo Classic itself is there."""
     for command in commands:
         if command.name in {"if", "elseif", "while"}:
             for one in command.arguments:
                 if re.fullmatch(r"gazebo(?:_dev|_msgs)?_FOUND", one.text):
                     yield command, one
+
+
+def _skipping(commands: Sequence[Command]) -> Iterator[tuple[Command, Command]]:
+    """Conditions, with their ends, that only leave the file where Gazebo Classic is not there."""
+    for place, command in enumerate(commands):
+        words = [one.text for one in command.arguments]
+        if command.name == "if" and words[:1] == ["NOT"] and len(words) == _PAIR:
+            inside = [
+                *takewhile(lambda one: one.name in {"message", "return"}, commands[place + 1 :])
+            ]
+            end = next(iter(commands[place + 1 + len(inside) :]), None)
+            if (
+                inside
+                and end is not None
+                and end.name == "endif"
+                and any(map(bool, _tested([command])))
+            ):
+                yield command, end
 
 
 def _conditions(source: SourceText, commands: Sequence[Command]) -> Iterator[Unported]:
@@ -253,7 +275,12 @@ def _conditions(source: SourceText, commands: Sequence[Command]) -> Iterator[Unp
 
 
 def _without_classic(source: SourceText, commands: Sequence[Command]) -> Iterator[Edit]:
-    kept = {one.text.removesuffix("_FOUND") for _, one in _tested(commands)}
+    skipping = [*_skipping(commands)]
+    for first, last in skipping:
+        start, end = source.whole_lines(first.start, last.end)
+        yield Edit(start=start, end=end, text="")
+    tested = _tested(one for one in commands if one not in [first for first, _ in skipping])
+    kept = {one.text.removesuffix("_FOUND") for _, one in tested}
     if code_with(source.file.parent, naming(MESSAGES)):
         kept.add(MESSAGES)
     becomes = {name: new for name, new in _FOUND.items() if name not in kept}
