@@ -364,12 +364,24 @@ def test_a_saved_state_of_what_moved_is_left_to_the_author(
 ) -> None:
     links = '<link name="a"/><link name="b"><pose>{} 0 0 0 0 0</pose></link>'
     pose = "<pose>1 0 0 0 0 0</pose>"
-    model = f'<model name="m">{links.format(1)}{more}</model>'
+    joint = '<joint name="j" type="prismatic"><child>b</child></joint>'
+    model = f'<model name="m">{links.format(1)}{joint}{more}</model>'
     saved = f'<model name="{name}">{pose}{links.format(5)}</model>'
     other = f'<light name="l"/><state world_name="w">{saved}<light name="l">{pose}</light></state>'
     source = SourceText(Path("/nowhere/w.world"), world(f"{model}{other}"))
     found = port_world(source, JAZZY, frozenset()).unported
     assert bool(found) == is_left
+
+
+def test_a_saved_state_moves_links_that_no_joint_holds() -> None:
+    """Walls of a building, which somebody has moved one by one."""
+    wall = "      <link name='{}'>\n        <pose>{} 0 0 0</pose>\n      </link>\n"
+    model = "    <model name='m'>\n      <pose>1 2 0 0 0 0</pose>\n{}{}    </model>\n"
+    saved = model.format(wall.format("a", "1 2 0"), wall.format("b", "2 2.25 0"))
+    before = model.format(wall.format("a", "0 0 0"), wall.format("b", "0.5 0 0"))
+    after, listed = ported(world(before, f"    <state world_name='w'>\n{saved}    </state>\n"))
+    assert listed == []
+    assert after == world(LOADED, before.replace("0.5 0 0 0", "1 0.25 0 0"))
 
 
 def test_actors() -> None:

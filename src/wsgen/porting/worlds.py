@@ -57,7 +57,6 @@ if TYPE_CHECKING:
 _STEP = 0.001  # seconds, of either simulator
 _TOLD_APART = 1e-9
 _MOVED = 1e-3  # m and rad, by which links may have sunk or swayed while a world was saved
-_LINKS_OF_A_JOINT = 2
 _TURNS = 1e3  # rad, more than a joint with a stop turns
 _PLANE = Block("geometry", [Block("plane", [Block("normal", "0 0 1"), Block("size", "100 100")])])
 _GRIP = Block("friction", [Block("ode", [Block("mu", "100"), Block("mu2", "50")])])
@@ -301,13 +300,14 @@ def _port_state(port: Porter, world: Node, state: Node) -> None:
     included = [one.value("name") for one in world.children("include")]
     # What a launch file had spawned is not in the world.
     is_any = not all(included)
-    saved_models = {one.get("name"): one for one in state.children("model")}
-    bent = [
-        name
-        for name, saved in saved_models.items()
-        if is_any or name in models or name in included
-        if _is_bent(saved, models.get(name))
-    ]
+    bent = []
+    for saved in state.children("model"):
+        name, model = saved.get("name"), models.get(saved.get("name"))
+        if model is None:
+            has_joints = len([*saved.children("link")]) > 1
+            bent += [name] if has_joints and (is_any or name in included) else []
+        else:
+            bent += [name] if not _place_links(port, saved, model) else []
     if bent:
         port.leave(
             state,
@@ -317,29 +317,39 @@ def _port_state(port: Porter, world: Node, state: Node) -> None:
         )
 
 
-def _is_bent(saved: Node, model: Node | None) -> bool:
-    """Whether the links of a model may not be where it has them: its joints have moved."""
-    links = [*saved.children("link")]
-    if len(links) < _LINKS_OF_A_JOINT or model is None:
-        return len(links) >= _LINKS_OF_A_JOINT
-    if model.value("static") in TRUE:
-        return False
-    own = {one.get("name"): one.find("pose") for one in model.children("link")}
+def _place_links(port: Porter, saved: Node, model: Node) -> bool:
+    """Have the links of a model be where they were saved; False if its joints have moved them."""
+    moved = [*_moved_links(saved, model)]
+    if any(model.children("joint")) or any(link is None or not place for link, place in moved):
+        return not moved or model.value("static") in TRUE
+    for link, place in moved:
+        before = link.find("pose") if link is not None else None
+        text = f"{_numbers(place.xyz)} {_numbers(place.rpy)}" if place is not None else ""
+        if before is not None:
+            port.editor.set_text(before, text)
+        elif link is not None:
+            port.editor.append(link, Block("pose", text))
+    return True
+
+
+def _moved_links(saved: Node, model: Node) -> Iterator[tuple[Node | None, Pose | None]]:
+    """The links that were not saved where a model has them, and where; None: nobody knows."""
+    own = {one.get("name"): one for one in model.children("link")}
     spinning = {one.value("child") for one in model.children("joint") if _is_endless(one)}
     base = _pose(saved.value("pose"))
-    for link in links:
-        name, place = link.get("name"), own.get(link.get("name"))
-        if name in spinning:
+    for one in saved.children("link"):
+        link = own.get(one.get("name"))
+        place = link.find("pose") if link is not None else None
+        if one.get("name") in spinning:
             continue
-        if name not in own or (place is not None and any(map(place.get, _FRAMES))):
-            return True
-        found, meant = _pose(link.value("pose")), _pose("" if place is None else place.text)
-        if base is None or found is None or meant is None:
-            return True
+        found, meant = _pose(one.value("pose")), _pose("" if place is None else place.text)
+        is_framed = place is not None and any(map(place.get, _FRAMES))
+        if link is None or is_framed or base is None or found is None or meant is None:
+            yield link, None
+            continue
         there = compose(invert(base), found)
         if math.dist(there.xyz, meant.xyz) > _MOVED or angle_between(there, meant) > _MOVED:
-            return True
-    return False
+            yield link, there
 
 
 def _is_endless(joint: Node) -> bool:
