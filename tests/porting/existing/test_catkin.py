@@ -16,7 +16,7 @@ from wsgen.porting.existing.catkin import (
     port_manifest,
     port_rviz,
 )
-from wsgen.porting.existing.launch_of_ros1 import Source
+from wsgen.porting.existing.launch_port import Source
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

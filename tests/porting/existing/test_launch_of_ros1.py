@@ -10,12 +10,8 @@ import pytest
 
 from install_space import InstallSpace
 from wsgen.model.target import choose_target
-from wsgen.porting.existing.launch_of_ros1 import (
-    PortedLaunch,
-    Source,
-    port_launch_file,
-    ported_name,
-)
+from wsgen.porting.existing.launch_of_ros1 import port_launch_file
+from wsgen.porting.existing.launch_port import PortedLaunch, Source, ported_name
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

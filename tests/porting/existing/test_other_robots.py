@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wsgen.model.target import choose_target
-from wsgen.porting.existing.launch_of_ros1 import Source
+from wsgen.porting.existing.launch_port import Source
 from wsgen.porting.existing.other_robots import find_other_robots
 
 if TYPE_CHECKING:

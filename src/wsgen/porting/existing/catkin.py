@@ -27,12 +27,8 @@ from wsgen.packages.workspace.manifest import (
     holds,
     read_manifest,
 )
-from wsgen.porting.existing.launch_of_ros1 import (
-    ENDINGS,
-    is_of_ros_1,
-    port_launch_file,
-    ported_name,
-)
+from wsgen.porting.existing.launch_of_ros1 import port_launch_file
+from wsgen.porting.existing.launch_port import ENDINGS, is_of_ros_1, ported_name
 from wsgen.porting.existing.other_robots import find_other_robots
 from wsgen.porting.existing.parameters_of_ros1 import files_in
 from wsgen.porting.existing.programs_of_ros1 import written_for_ros_1
@@ -50,7 +46,7 @@ if TYPE_CHECKING:
 
     from wsgen.checks.fixes.source import Tag
     from wsgen.packages.build_files.cmake_text import Call
-    from wsgen.porting.existing.launch_of_ros1 import Source
+    from wsgen.porting.existing.launch_port import Source
 
 # Packages of ROS 1 whose work nothing has to do in ROS 2, or another one of those below does.
 _WITHOUT_LOSS = frozenset(("catkin", "message_generation", "message_runtime", "roslaunch"))

@@ -8,14 +8,14 @@ from pathlib import PurePosixPath
 from posixpath import normpath
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.porting.existing.launch_of_ros1 import ENDINGS, is_of_ros_1
+from wsgen.porting.existing.launch_port import ENDINGS, is_of_ros_1
 from wsgen.porting.ported import Unported
 from wsgen.text.markup import read_text, without_comments
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from wsgen.porting.existing.launch_of_ros1 import Source
+    from wsgen.porting.existing.launch_port import Source
 
 
 _ENDINGS = (".gazebo", ".trans", ".transmission", ".urdf", ".xacro")

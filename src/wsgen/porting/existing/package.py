@@ -56,7 +56,7 @@ from wsgen.porting.existing.fixes import (
 )
 from wsgen.porting.existing.inertias import box_of, misplaced
 from wsgen.porting.existing.kept_xacro import FOLDER, KeptFiles, NotKeptError, keep_files
-from wsgen.porting.existing.launch_of_ros1 import Source as CatkinSource
+from wsgen.porting.existing.launch_port import Source as CatkinSource
 from wsgen.porting.existing.made_meshes import MadeMeshes
 from wsgen.porting.existing.reading import KINDS, read_robot, refuse
 from wsgen.porting.existing.resources import (

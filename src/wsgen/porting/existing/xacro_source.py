@@ -15,7 +15,7 @@ from wsgen.errors import NotReadableError
 from wsgen.packages.source_shares import is_used, serve_sources
 from wsgen.pipeline.file_validation import INCLUDE, read
 from wsgen.porting.existing.catkin import siblings_of
-from wsgen.porting.existing.launch_of_ros1 import ENDINGS, is_of_ros_1
+from wsgen.porting.existing.launch_port import ENDINGS, is_of_ros_1
 from wsgen.porting.existing.launch_values import UnsaidError, split_words
 from wsgen.porting.existing.parameters_of_ros1 import files_in
 from wsgen.porting.existing.resources import called_alike
