@@ -47,6 +47,13 @@ def test_the_first_one(tmp_path: Path) -> None:
     assert (place / "msg/Hoot.msg").read_text() == "float64 loud\ngeometry_msgs/Point at\n"
 
 
+def test_blanks_behind_a_dependency_stay_there(tmp_path: Path) -> None:
+    place = package(tmp_path, "owl", {"CMakeLists.txt": f"{HEAD}ament_package()\n"})
+    manifest = place / "package.xml"
+    manifest.write_text(manifest.read_text().replace("</buildtool_depend>", "</buildtool_depend> "))
+    added(place, message)  # no line of before has changed
+
+
 def test_a_target_has_the_name_of_the_package(tmp_path: Path) -> None:
     text = f"{HEAD}add_executable(owl a.cpp)\nament_package()\n"
     _, lines = added(package(tmp_path, "owl", {"CMakeLists.txt": text}), message)

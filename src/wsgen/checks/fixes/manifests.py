@@ -81,7 +81,7 @@ def _place_for(
         return root.start.end, "  "
     last = those[-1]
     place = (last.end or last.start).end
-    rest = re.compile(r"[ \t]*<!--[^\n]*?-->(?=[ \t]*\r?\n)").match(source.text, place)
+    rest = re.compile(r"[ \t]*(?:<!--[^\n]*?-->[ \t]*)?(?=\r?\n)").match(source.text, place)
     return (rest.end() if rest else place), source.indent_at(last.start.start)
 
 

@@ -60,8 +60,8 @@ def add_interface(
     own = addition.name
     if addition.is_python:
         raise RequestError(
-            f"{own} is a package of the build type ament_python, and only CMake generates a "
-            f"{kind.word}.",
+            f"{own} is a package of the build type ament_python, and only CMake generates "
+            "interfaces.",
             hint="Add it to a package of ament_cmake with --to, or create one: "
             f"ros2 pkg create {own}_interfaces --build-type ament_cmake",
         )
@@ -69,7 +69,7 @@ def add_interface(
     for command in cmake.calls("ament_python_install_package"):
         if command.arguments and command.arguments[0].text in {own, "${PROJECT_NAME}"}:
             raise RequestError(
-                f"CMakeLists.txt installs the Python package {own}, which a {kind.word} of {own} "
+                f"CMakeLists.txt installs the Python package {own}, which that of its interfaces "
                 f"would replace (line {cmake.source.line_at(command.start)}).",
                 hint="Add it to another package with --to, or create one: "
                 f"ros2 pkg create {own}_interfaces --build-type ament_cmake",
@@ -78,8 +78,8 @@ def add_interface(
     written = root.attributes.get("format") if root else None
     if written is None or written.text in {"1", "2"}:
         raise RequestError(
-            f"package.xml of {own} has the format {written.text if written else 1}, and a "
-            f"{kind.word} needs `<member_of_group>` of format 3.",
+            f"package.xml of {own} has the format {written.text if written else 1}, and interfaces "
+            "need `<member_of_group>` of format 3.",
             hint='Write <package format="3"> first.',
         )
     fields = [
