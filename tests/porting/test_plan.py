@@ -332,6 +332,26 @@ def test_wheels_that_are_not_sure_are_left_to_the_author(
 
 
 @pytest.mark.slow
+def test_inertias_of_robots_that_nothing_spawns(tmp_path: Path) -> None:
+    """They are the same whether a launch file spawns the robot before the port or after it."""
+    link = (
+        '<link name="{}"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" '
+        'iyz="0" izz="5"/></inertial></link>'
+    )
+    joint = '<joint name="j" type="{}"><parent link="a"/><child link="b"/></joint>'
+    robot = f"<robot name='r'>{link.format('a')}{link.format('b')}{{}}</robot>"
+    files = {
+        "urdf/loose.urdf": robot.format(joint.format("continuous")),
+        # Of links that are fixed together, only the sum counts.
+        "urdf/sum.urdf": robot.format(joint.format("fixed")).replace('="1"', '="5"', 3),
+    }
+    planned = plan(_written(tmp_path / "split", DRIVE_ELSEWHERE | files))
+    after = {one.file.name: one.after for one in planned.files}
+    assert after["loose.urdf"].count('ixx="2.5000025"') == 2
+    assert "sum.urdf" not in after
+
+
+@pytest.mark.slow
 def test_programs_are_told_what_takes_the_place_of_their_messages(tmp_path: Path) -> None:
     program = "from gazebo_msgs.srv import ApplyLinkWrench, GetEntityState\n"
     package = _written(tmp_path / "split", DRIVE_ELSEWHERE | {"scripts/push.py": program})

@@ -544,7 +544,11 @@ def _port_models(port: _Port, target: Target, robots: Robots) -> None:
         if _is_markup(source.file) or source.file.name == "package.xml":
             continue
         if _ROBOT.search(source.text) or _SDF.search(source.text):
-            port.add(source, port_model(source, target, robots))
+            is_whole_robot = "<inertia" in source.text and "xacro:" not in source.text
+            # Launch files that a port corrects spawn it from then on.
+            refused = frozenset(_refused(source.text) if is_whole_robot else ())
+            known = robots._replace(refused=robots.refused | refused)
+            port.add(source, port_model(source, target, known))
 
 
 def _port_efforts(ports: Sequence[_Port], target: Target) -> None:
