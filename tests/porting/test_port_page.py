@@ -40,6 +40,11 @@ def example(folder: Path) -> str:
     """The port of the tutorial's package."""
     package = folder / "src" / "gazebo_test"
     shutil.copytree(golden_package("simple-humble-classic"), package)
+    settings = package / "wsgen.toml"
+    lines = settings.read_text(encoding="utf-8").splitlines(keepends=True)
+    # That of the templates changes whenever they do.
+    kept = "".join(line for line in lines if not line.startswith("state ="))
+    settings.write_text(kept, encoding="utf-8")
     plan = plan_port(find_targets([package]), Target(distro="jazzy", simulator=SIM), os.environ)
     assert plan.created == ()
     diff = [
