@@ -362,6 +362,8 @@ def test_a_wrong_record_is_refused_by_file_and_line(
     with pytest.raises(kind, match=words) as raised:
         plan_update(package, UpdateRequest(("wheel_radius=0.1",)))
     assert raised.value.hint
+    if case == "no state":
+        assert "-t diff_drive --distro jazzy --sim gz --set body_length=0.4" in raised.value.hint
     assert read_tree(package) == before
 
 

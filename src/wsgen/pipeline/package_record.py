@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from wsgen.errors import NotFoundError, NotReadableError, RequestError
 from wsgen.packages.workspace.settings import FILE
 from wsgen.templating.environment import toml_value
+from wsgen.templating.spec import show
 from wsgen.text import tomlfile
 from wsgen.text.files import read_regular_text
 
@@ -111,9 +112,12 @@ def _unknown_state(
             hint=f"For another distribution: wsgen port {name} --to DISTRO; for the rest make it "
             f"anew beside: wsgen new {name} --from SOURCE -w NEW, and compare.",
         )
-    answers = document.get("answers")
+    options = {"distro": "--distro ", "simulator": "--sim "}
     settings = "".join(
-        f" --set {key}={value}" for key, value in (answers or {}).items() if value is not None
+        f" {options.get(key, f'--set {key}=')}{show(value)}"
+        for table in map(document.get, ("target", "answers"))
+        if isinstance(table, dict)
+        for key, value in table.items()
     )
     return RequestError(
         f"{folder / FILE} has no `state`: wsgen {version}, which made the package, did not record "
