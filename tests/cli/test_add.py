@@ -112,3 +112,8 @@ def test_what_is_left_to_paste(root: Path, capsys: pytest.CaptureFixture[str]) -
     out = capsys.readouterr().out
     assert "src/beetle_bringup/setup.py: Add it to `console_scripts`" in out
     assert "    'talker = beetle_bringup.talker:main'," in out
+
+
+def test_the_kinds_of_a_sensor_are_named_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["add", "sensor", "front"]) == 2
+    assert "Choose from: lidar, camera, depth, imu, gps, contact." in capsys.readouterr().err

@@ -344,7 +344,8 @@ def _print_usage_error(
         return
     from wsgen.text.suggestions import did_you_mean, nearest
 
-    message, near = error.format_message(), None
+    # A required option gets its choices by click on lines of their own.
+    message, near = re.sub(r"(:|,)\n\t", r"\1 ", error.format_message()), None
     if isinstance(error, click.NoSuchOption):
         message = f"{ctx.command_path} has no option {error.option_name}"
         options = {option.lstrip("-"): option for option in error.possibilities or ()}
