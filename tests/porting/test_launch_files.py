@@ -6,6 +6,7 @@ import ast
 import re
 from pathlib import Path
 from textwrap import dedent
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -13,16 +14,23 @@ from wsgen.checks.fixes.source import SourceText, apply
 from wsgen.porting.launch_files import Context, WorldTaker, port_launch_file
 from wsgen.porting.ported import BridgeRow, FilePort
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
 SCAN = BridgeRow("/scan", "LaserScan", "sensor_msgs/msg/LaserScan", "[", "/scan")
 STATES = BridgeRow("/world/w/joint_state", "Model", "sensor_msgs/msg/JointState", "[", "/joints")
 
 
 def ported(
-    text: str, *, world: str | None = None, rows: dict[int, list[BridgeRow]] | None = None
+    text: str,
+    *,
+    world: str | None = None,
+    rows: dict[int, list[BridgeRow]] | None = None,
+    workspace: Sequence[str] = (),
 ) -> tuple[str, FilePort]:
     """The text of a launch file after its port; it must be Python, and another port no change."""
     source = SourceText(Path("robot.launch.py"), dedent(text))
-    context = Context(rows=rows or {}, package="my_robot", distro="jazzy", default_world=world)
+    context = Context(rows or {}, "my_robot", "jazzy", default_world=world, workspace=workspace)
     port = port_launch_file(source, context)
     after = apply(source.text, port.edits)
     ast.parse(after)
@@ -181,6 +189,12 @@ def test_paths_that_no_action_uses_any_more() -> None:
     assert '[share_of_own, "launch", "gazebo.launch.py"]' in after
     assert "'gz_ros2_control_demos'" in after
     assert [one.is_note for one in port.unported] == [True]
+
+
+def test_a_package_of_the_workspace_keeps_its_name() -> None:
+    text = "get_package_share_directory('gazebo_ros2_control_demos')\n"
+    assert ported(text)[0] != text
+    assert ported(text, workspace=["gazebo_ros2_control_demos"])[0] == text
 
 
 def test_the_world_that_a_launch_argument_names_by_default() -> None:

@@ -137,6 +137,7 @@ class Context(NamedTuple):
     stampers: Sequence[Stamper] = ()  # for the controllers that the launch file may start
     takers: Collection[WorldTaker] = ()
     frames: Collection[str] = ()  # of sensors that named none, and do after the port
+    workspace: Collection[str] = ()  # the names of all packages of the workspace
 
     def rows_at(self, lines: range) -> Sequence[BridgeRow] | None:
         """The topics of the robots of a spawner on these lines; None where they are not known."""
@@ -730,7 +731,7 @@ class _Port(PythonEdits):
         for call in (*self.calls(*_LOOKUPS), *finds):
             text = self.text(argument(call, 0, "package", "package_name"))
             new = _LOOKED_UP.get(text.text) if text is not None else None
-            if text is not None and new is not None:
+            if text is not None and new is not None and text.text not in self.context.workspace:
                 self.rename(text, (text.text, new))
                 self.packages.add(new)
         for call in self.calls(*_LOOKS_FOR_ELEMENTS):

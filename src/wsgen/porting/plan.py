@@ -202,6 +202,7 @@ def plan_port(targets: Targets, target: Target, environment: Mapping[str, str]) 
             clocks,
             are_all=len(fixed) == len(any_rows),
             frames=joined(port.all() for port in ports).frames,
+            workspace=frozenset(port.package.name for port in ports),
         )
         are_called = any(map(_calls_classic, ports))
         for port in ports:
@@ -659,6 +660,7 @@ class _Known(NamedTuple):
     clocks: Sequence[str]  # see `Context`
     are_all: bool
     frames: frozenset[str]
+    workspace: frozenset[str]
 
 
 def _port_launch_files(ports: Sequence[_Port], target: Target, known: _Known) -> None:
@@ -706,6 +708,7 @@ def _context(port: _Port, target: Target, known: _Known) -> Callable[[SourceText
         are_all=known.are_all,
         clocks=known.clocks,
         frames=known.frames,
+        workspace=known.workspace,
     )
 
 

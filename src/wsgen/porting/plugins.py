@@ -543,6 +543,13 @@ def _publish_wheels(port: Porter, plugin: ClassicPlugin, tags: Collection[str]) 
 def _planar_move(port: Porter, plugin: ClassicPlugin, _: dict[str, str]) -> None:
     rate = plugin.value("publish_rate", plugin.default("publish_rate"))
     _publish_world_odometry(port, plugin, rate)
+    port.leave(
+        plugin.node,
+        "Gazebo Classic sets the speed a few times a second, and friction slows the robot between; "
+        "Gazebo Sim holds it.",
+        "Nothing, if the robot slides without friction; else send lower speeds.",
+        is_note=True,
+    )
 
 
 def _ackermann(port: Porter, plugin: ClassicPlugin, values: dict[str, str]) -> None:
