@@ -330,7 +330,9 @@ def test_every_key_of_a_port() -> None:
         "written": True,
         "packages": ["p"],
         "files": [{"path": "/p/w.sdf", "new": True}, {"path": "/p/b.xml", "new": False}],
-        "left": [{"file": "/p/a.py", "line": 3, "what": "It was.", "advice": "Write it."}],
+        "left": [
+            {"file": "/p/a.py", "line": 3, "what": "It was.", "advice": "Write it.", "note": False}
+        ],
     }
     assert documented_keys("wsgen port") == keys(document)
 
