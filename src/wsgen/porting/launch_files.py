@@ -20,6 +20,7 @@ from wsgen.launching.spawner_options import CREATE, SPAWN_ENTITY, SPAWNERS
 from wsgen.model.facts import PROGRAMS, ROS2_CONTROL_HARDWARE
 from wsgen.model.target import CLASSIC, SIM, Target
 from wsgen.porting.bridges import BRIDGE_PACKAGE, STAMPER, BridgeWriter
+from wsgen.porting.manifests import SUCCESSORS
 from wsgen.porting.ported import FilePort
 from wsgen.porting.porter import MODEL, NAMESPACE
 from wsgen.porting.python_edits import PythonEdits, argument
@@ -103,10 +104,7 @@ _LOOKUPS = (
 
 
 # Packages that are looked up -> what they are called for Gazebo Sim.
-_LOOKED_UP = {
-    OLD_PACKAGE: PACKAGE,
-    "gazebo_ros2_control_demos": "gz_ros2_control_demos",
-}
+_LOOKED_UP = {name: SUCCESSORS[name] for name in (OLD_PACKAGE, "gazebo_ros2_control_demos")}
 OF_WORLD = 0  # no line of a call
 _OF_YAML = (".yaml", ".yml")
 
